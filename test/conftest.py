@@ -121,6 +121,18 @@ def asking_about(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
     return ask
 
 
+@pytest.fixture
+def looking_for(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
+    """To call with names of causes: a design looks for no others behind what stands."""
+
+    def look(*causes: str) -> None:
+        monkeypatch.setattr("msd_ident.design.hidden_effects.LIBRARY", tuple(map(by_name, causes)))
+
+    from msd_ident.model.effects import by_name
+
+    return look
+
+
 @pytest.fixture(scope="session")
 def repository() -> Path:
     """The repository's root."""

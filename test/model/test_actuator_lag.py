@@ -32,7 +32,7 @@ def test_a_motor_with_inductance_is_a_lag_and_its_mass_is_within_what_is_said(
     position = lsim(([1.0], motor), force, time)[1]
     position += np.random.default_rng(3).normal(0.0, 2e-5, time.size)
 
-    found = pipeline.diagnose([from_samples(time, force, position, hold="linear")])
+    found = pipeline.diagnose([from_samples(time, force, position, hold="linear")], pipeline.Options(model="spring"))
     assert [cause.name for cause in found.causes] == ["actuator_lag"]
     (said,) = (warning for warning in found.warnings if warning.startswith(SAID))
     more = float(said.split("up to ")[1].split(" %")[0]) / 100.0

@@ -11,14 +11,13 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from designrigs import BENT, LIMITS, STEP, Rig, share
+from designrigs import BENT, LIMITS, STEP, Rig, checked, share
 
 from bench.blind_design import cases
 from msd_ident.cli.main import main
 from msd_ident.design import Limits, Profile, Segment
 from msd_ident.errors import DataError, UsageError
 from msd_ident.report import investigation_page
-from msd_ident.selection import replication
 from msd_ident.workflow import investigation
 from msd_ident.workflow.investigation import Budget, Loop, Ran
 
@@ -27,8 +26,13 @@ LIKEST = ("coulomb_friction", "force_gain_nonlinearity", "quadratic_drag", "cubi
 
 
 @pytest.mark.xdist_group("bent gain")
-def test_the_truth_stands_after_one_more_experiment(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_truth_stands_after_one_more_experiment(
+    asking_about: Callable[..., None], looking_for: Callable[..., None], monkeypatch: pytest.MonkeyPatch
+) -> None:
     share(monkeypatch)
+    checked()  # with all causes, as the other tests have it
+    asking_about(*LIKEST)
+    looking_for(*LIKEST, "force_offset")
     found = Loop(Rig(**BENT), LIMITS, Budget(2, 60.0)).run(STEP)
     assert found.stands and found.diagnosis.verdict == "explained"
     assert [cause.name for cause in found.diagnosis.causes] == ["force_gain_nonlinearity"]
@@ -37,11 +41,11 @@ def test_the_truth_stands_after_one_more_experiment(monkeypatch: pytest.MonkeyPa
 
 
 def test_a_look_at_what_hides_excites_enough_to_be_certain(
-    asking_about: Callable[..., None], monkeypatch: pytest.MonkeyPatch
+    asking_about: Callable[..., None], looking_for: Callable[..., None], without_copies: None
 ) -> None:
     """One step leaves friction and a delay uncertain where no copies are made, and so did a second step beside it."""
     asking_about("coulomb_friction", "time_offset", "actuator_lag", "force_gain_nonlinearity")
-    monkeypatch.setattr(replication, "_CHEAP", 0.0)
+    looking_for("coulomb_friction", "time_offset", "actuator_lag", "force_gain_nonlinearity")
     found = cases.run(cases.Case(45011, "time_offset", True), False)
     assert found is not None and found.first == ("ambiguous", found.truth)
     assert found.right and found.runs == 1
@@ -204,10 +208,13 @@ def test_where_no_profile_parts_what_is_tied_what_hides_is_looked_for(asking_abo
 
 
 @pytest.mark.parametrize("asked", [LIKEST, pytest.param((), marks=pytest.mark.long)], ids=["likest", "whole library"])
-def test_what_stands_does_so_without_a_further_look(asked: tuple[str, ...], asking_about: Callable[..., None]) -> None:
+def test_what_stands_does_so_without_a_further_look(
+    asked: tuple[str, ...], asking_about: Callable[..., None], looking_for: Callable[..., None]
+) -> None:
     """After a look that was likely to show what hides, another would be a gain; who declines it has an explanation."""
     if asked:
         asking_about(*asked)
+        looking_for(*asked, "force_offset", "gravity")
     plant = {"mass": 0.98697, "damping": 1.00719, "stiffness": 235.586, "friction_coefficient": 0.0, "rate": 1000.0}
     encoder = {"counts_per_metre": 1839120.0, "noise": 6.3745e-7}
     effects = {"coulomb_friction": {"coulomb_force": 0.046393}, "force_gain_nonlinearity": {"gain_slope": -0.015}}
@@ -285,12 +292,14 @@ def test_bad_input(
 def test_investigate_and_design_by_command(
     asked: tuple[str, ...],
     asking_about: Callable[..., None],
+    looking_for: Callable[..., None],
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     if asked:
         asking_about(*asked)
+        looking_for(*asked, "force_offset")
     monkeypatch.chdir(tmp_path)
     Path("l.yaml").write_text("force: 10\ntravel: 0.03\nduration: 20\n")
     pushes = "".join(f"  - {{kind: step, duration: 0.8, force: {force}}}\n" for force in (8, -8, 3, -3, 0))

@@ -24,6 +24,8 @@ from msd_ident.workflow.preparation import prepare, typical_plant
 from msd_sim import api, lottery
 
 STEP = 2e-5
+#: Of a poor experiment; without copies it leaves no cause certain.
+COPIED = pytest.mark.parametrize("copied", [False, pytest.param(True, marks=pytest.mark.long)])
 
 
 def controlled(stiffness: float = 30.0, gain: float = 300.0) -> Record:
@@ -114,8 +116,10 @@ def test_an_open_loop_is_none(force: np.ndarray) -> None:
 
 @pytest.mark.parametrize("experiment", ["steps", "sweep", "ramp"])
 def test_no_rig_that_is_pushed_is_taken_to_be_controlled(experiment: str) -> None:
-    """Whatever acts on it, and however its encoder rounds."""
+    """Whatever acts on it, and however its encoder rounds; a sweep and a ramp share the causes between them."""
     for seed, name in enumerate((*lottery.NAMES, None)):
+        if experiment == ("ramp", "sweep")[seed // 2 % 2]:
+            continue
         draw = lottery.draw(seed, name, seed % 2 == 0, experiment, 250.0, noise=lottery.NOISES[seed % 3])
         made = api.simulate(draw.spec)
         force = made.force[np.maximum(np.searchsorted(made.force_time, made.time, side="right") - 1, 0)]
@@ -192,8 +196,14 @@ def test_odds_are_said_in_words(value: float, std: float, words: str) -> None:
         assert "e^" not in said and " 1 times" not in said
 
 
-def test_a_release_through_a_wide_play_shows_a_spring() -> None:
+@COPIED
+def test_a_release_through_a_wide_play_shows_a_spring(
+    copied: bool, asking_about: Callable[..., None], request: pytest.FixtureRequest
+) -> None:
     """Without a force only ratios are known; the cart swings back all the same, though not as on a linear spring."""
+    if not copied:
+        request.getfixturevalue("without_copies")
+    asking_about("backlash", "end_stop", "cubic_spring", "coulomb_friction")
     made = api.simulate(
         {"mass": 1.0, "damping": 9.25, "stiffness": 654.4, "friction_coefficient": 0.0, "seed": 3, "rate": 1000.0,
          "effects": {"backlash": {"backlash_half_width": 2.96e-3}}, "experiment": {"name": "release", "duration": 4.0},
@@ -203,7 +213,7 @@ def test_a_release_through_a_wide_play_shows_a_spring() -> None:
     sprung, said = spring_decision.decide((record,), typical_plant(record))
     assert sprung and "for one unit of mass" in said and "of the force" not in said
     found = pipeline.diagnose([record])
-    assert [cause.name for cause in found.causes] == ["backlash"] and found.verdict == "explained"
+    assert [cause.name for cause in found.causes] == ["backlash"] and (found.verdict == "explained") is copied
     assert found.extended.model["backlash_half_width"] == pytest.approx(2.96e-3, rel=0.01)
 
 
@@ -248,8 +258,13 @@ def test_a_spring_that_does_what_gravity_would_is_seen_behind_it_and_gravity_is_
     assert "does what gravity would do: a spring is assumed" in said[0] and said[1] == ""
 
 
-def test_a_spring_that_only_curved_friction_calls_for_is_taken_back(asking_about: Callable[..., None]) -> None:
+@COPIED
+def test_a_spring_that_only_curved_friction_calls_for_is_taken_back(
+    copied: bool, asking_about: Callable[..., None], request: pytest.FixtureRequest
+) -> None:
     """Beside dry friction alone, friction that falls with speed looks like a weak spring."""
+    if not copied:
+        request.getfixturevalue("without_copies")
     asking_about("coulomb_friction", "stribeck_friction", "hysteresis")
     times, forces = np.array([0.0, 0.5, 2.0, 3.5]), np.array([0.0, 60.0, -60.0, 0.0])
     made = api.simulate(
@@ -262,7 +277,7 @@ def test_a_spring_that_only_curved_friction_calls_for_is_taken_back(asking_about
     first = spring_decision.has_spring(prepare([record]), pipeline.Options())
     assert first.sprung and first.doubtful and "beyond doubt" not in first.said[0]
     found = pipeline.diagnose([record])
-    assert [cause.name for cause in found.causes] == ["stribeck_friction"] and found.verdict == "explained"
+    assert [cause.name for cause in found.causes] == ["stribeck_friction"] and (found.verdict == "explained") is copied
     assert found.extended.model["stiffness"] == 0.0
     (said,) = (one for one in found.warnings if "spring" in one)
     assert said.startswith(
