@@ -15,7 +15,7 @@ from msd_ident.model.effects.coulomb_friction import CoulombFriction
 
 @pytest.mark.parametrize(("centre", "share"), [(0.004, 0.9), (-0.004, 0.3)])
 def test_in_contact_only_a_part_of_all_other_forces_is_left(centre: float, share: float) -> None:
-    measured = record(rate=500.0, duration=1.5)
+    measured = record(rate=500.0, duration=0.8)
     stop = ConstraintStop(centre, 0.012, 4e3, 20.0, share)
 
     def slope(t: float, state: np.ndarray) -> list[float]:

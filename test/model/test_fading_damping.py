@@ -48,7 +48,7 @@ def test_far_below_its_speed_it_is_damping() -> None:
 def test_a_brake_far_beyond_its_peak_is_not_taken_for_stribeck_friction(asking_about: Callable[..., None]) -> None:
     """The force falls as 1/v over most of the record, and turns round with the speed."""
     asking_about("coulomb_friction", "stribeck_friction", "stribeck_shape", "fading_damping")
-    time, peak = np.arange(4000) / 500.0, 0.4
+    time, peak = np.arange(2000) / 250.0, 0.4
     levels = 4.0 * np.array([0.0, 0.8, -0.8, 1.5, -0.4, 1.2, 0.0, -1.5])
     force = levels[np.minimum(time.astype(int), levels.size - 1)]
 

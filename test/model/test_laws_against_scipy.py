@@ -45,7 +45,7 @@ def moved(measured: Record, law: Callable[[float, float, float], float], made: C
 
 @pytest.mark.parametrize("name", sorted(FORCES))
 def test_forces_agree(name: str) -> None:
-    measured = record(500.0, "linear", 2.0)
+    measured = record(500.0, "linear", 1.0)
     theirs = moved(measured, FORCES[name], lambda t: float(np.interp(t, measured.force_time, measured.force)))
     assert np.max(np.abs(simulate(model(name), measured).position - theirs)) <= 1e-6 * np.max(np.abs(theirs))
 

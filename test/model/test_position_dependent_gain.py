@@ -52,11 +52,11 @@ def test_a_disturbance_beside_it_does_not_add_up() -> None:
 
 @pytest.mark.parametrize("experiment", ["steps", "sweep"])
 def test_it_is_found(experiment: str) -> None:
-    time = np.arange(3000) / 500.0
+    time = np.arange(1500) / 250.0
     random = np.random.default_rng(8)
     force = 7.0 * np.sin(2.0 * np.pi * (0.5 * time + 0.6 * time**2))
     if experiment == "steps":
-        force = random.uniform(-10.0, 10.0, 12)[np.arange(time.size) // 250]
+        force = random.uniform(-10.0, 10.0, 12)[np.arange(time.size) // 125]
     hold = "linear" if experiment == "sweep" else "zero"
     measured = from_samples(time, force, np.zeros(time.size), hold=hold)
     readings = moved(measured, 3.0, -400.0) + random.normal(0.0, 1e-5, time.size)

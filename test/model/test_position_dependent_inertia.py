@@ -72,8 +72,8 @@ def test_a_crank_under_a_sine_has_no_bent_spring_and_no_drift(slope: float, aski
     asking_about(
         "asymmetric_spring", "sensor_drift", "position_dependent_inertia", "sensor_nonlinearity", "stiffness_drift"
     )
-    time = np.arange(3000) / 300.0
-    force = (2.0 + time) * np.sin(0.6 * np.sqrt(STIFFNESS / MASS) * time)
+    time = np.arange(1500) / 250.0
+    force = (2.0 + 1.6 * time) * np.sin(0.6 * np.sqrt(STIFFNESS / MASS) * time)
     pushed = from_samples(time, force, np.zeros(time.size))
     moved = linkage(pushed, slope)
     noise = np.random.default_rng(4).normal(0.0, 1e-3 * float(np.std(moved)), moved.size)

@@ -101,7 +101,7 @@ def test_it_takes_energy_and_never_gives_any() -> None:
 
 
 def test_its_values_are_found_from_another_start() -> None:
-    measured = record(rate=500.0)
+    measured = record(rate=500.0, duration=1.5)
     truth = plant() + SmoothFriction(0.4, 0.01)
     seen = replace(measured, position=Simulator(truth, measured).positions(truth.values))
     start = plant().with_values({"mass": 1.05 * MASS}) + SmoothFriction(0.25, 0.03)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -34,8 +35,8 @@ def plant(ratio: float) -> Model:
     return Plant(DAMPING * PERIOD / ratio, DAMPING, STIFFNESS)
 
 
-def implicit(model: Model, record: Record) -> np.ndarray:
-    """Positions by scipy's Radau method, sample by sample."""
+def implicit(model: Model, record: Record, samples: int) -> np.ndarray:
+    """Positions of the first samples by scipy's Radau method, sample by sample."""
     (effect,) = model.effects
     given = dict(zip(model.names, model.values.tolist(), strict=True))
     second = effect.values if effect.name == "second_mode" else (1.0, 0.0, 0.0)
@@ -50,7 +51,7 @@ def implicit(model: Model, record: Record) -> np.ndarray:
         return [v, (push - DAMPING * v - STIFFNESS * x - own - coupling) / model.mass, u, coupling / second[0]]
 
     state, found = np.zeros(4), [0.0]
-    for i, (begin, end) in enumerate(zip(record.time[:-1], record.time[1:], strict=True)):
+    for i, (begin, end) in enumerate(pairwise(record.time[:samples])):
         run = solve_ivp(slope, (begin, end), state, "Radau", args=(record.force[i],), rtol=1e-8, atol=1e-12)
         state = run.y[:, -1]
         found.append(float(state[0]))
@@ -62,8 +63,8 @@ def implicit(model: Model, record: Record) -> np.ndarray:
 def test_the_motion_is_that_of_an_implicit_method(name: str, ratio: float) -> None:
     values = LAWS.get(name, {"second_mass": 1e-4, "second_stiffness": 0.05, "second_damping": 1e-3})
     model, record = plant(ratio) + by_name(name).from_values(values), jumping(PERIOD * np.arange(20))
-    found, expected = Simulator(model, record).positions(model.values), implicit(model, record)
-    assert np.max(np.abs(found - expected)) < 2e-6 * np.ptp(expected)
+    found, expected = Simulator(model, record).positions(model.values), implicit(model, record, 8)
+    assert np.max(np.abs(found[:8] - expected)) < 2e-6 * np.ptp(expected)
 
 
 @pytest.mark.parametrize("ratio", [5.0, 80.0, 1e5])
