@@ -196,7 +196,11 @@ def clear(workspace: Path) -> None:
             shutil.rmtree(path)
 
 
-@pytest.mark.parametrize("options", ["", "--merge-install --symlink-install"], ids=["plain", "merged symlinks"])
+@pytest.mark.parametrize(
+    "options",
+    ["", pytest.param("--merge-install --symlink-install", marks=pytest.mark.long)],
+    ids=["plain", "merged symlinks"],
+)
 def test_colcon_builds_and_tests_both_packages(colcon: Path, workspace: Path, options: str) -> None:
     clear(workspace)
     run(colcon, workspace, "colcon build", options)

@@ -21,12 +21,12 @@ from msd_sim.api import simulate
 CLOSE = 1.0 + 1e-6
 #: Seed, hidden effect, whether Coulomb friction acts beside it, experiment.
 DRAWN = (
-    (1, "coulomb_friction", False, "steps"),
+    pytest.param(1, "coulomb_friction", False, "steps", marks=pytest.mark.long),
     (2, "quadratic_drag", True, "steps"),
     (3, "cubic_spring", True, "step"),
     (4, "coulomb_friction", False, "release"),
-    pytest.param(7, "quadratic_drag", True, "release", marks=pytest.mark.long),  # some seconds; others are released too
-    (8, "end_stop", True, "steps"),
+    pytest.param(7, "quadratic_drag", True, "release", marks=pytest.mark.long),
+    pytest.param(8, "end_stop", True, "steps", marks=pytest.mark.long),
 )
 #: Measured rigs; a step of one is diagnosed once for all tests that ask for it.
 MEASURED = (

@@ -50,7 +50,7 @@ def test_the_whole_file_loses_nothing(whole: Path, tmp_path: Path) -> None:
     assert record.notes == ()
 
 
-@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=50, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(data=st.data())
 def test_flipped_bytes_never_give_a_wrong_sample(whole: Path, tmp_path: Path, data: st.DataObject) -> None:
     damaged = bytearray(whole.read_bytes())
@@ -64,7 +64,7 @@ def test_flipped_bytes_never_give_a_wrong_sample(whole: Path, tmp_path: Path, da
             assert any("lost" in note or "could be read" in note for note in record.notes), record.notes
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=30, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(data=st.data())
 def test_a_file_that_is_cut_off_gives_what_comes_before_the_cut(
     whole: Path, tmp_path: Path, data: st.DataObject

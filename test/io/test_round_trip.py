@@ -18,6 +18,8 @@ from msd_ident.errors import DataError, UsageError
 from msd_ident.io import SourceOptions, read, write_bag, write_csv
 
 SETTINGS = settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+#: Of bags, each of which is written to the disk file by file.
+BAGS = settings(SETTINGS, max_examples=12)
 VALUES = st.floats(-LARGEST, LARGEST)
 
 
@@ -52,7 +54,7 @@ def assert_same(one: Record, other: Record) -> None:
         np.testing.assert_array_equal(getattr(one, name), getattr(other, name), err_msg=name)
 
 
-@SETTINGS
+@BAGS
 @given(record=records())
 def test_bags_keep_every_bit(tmp_path: Path, record: Record) -> None:
     write_bag(record, tmp_path / "bag", overwrite=True)
@@ -71,7 +73,7 @@ def test_tables_keep_every_bit(tmp_path: Path, record: Record) -> None:
     assert again.notes == () or not np.ptp(record.force)
 
 
-@SETTINGS
+@BAGS
 @given(record=records())
 def test_a_bag_gives_what_a_table_of_it_gives(tmp_path: Path, record: Record) -> None:
     write_bag(record, tmp_path / "bag", overwrite=True)

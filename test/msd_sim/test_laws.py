@@ -98,7 +98,7 @@ DISSIPATIVE = ["coulomb_friction", "stribeck_friction", "position_dependent_fric
                "exponential_stribeck", "load_friction", "power_drag", "one_way_damping"]  # fmt: skip
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=15, deadline=None)
 @given(names=st.sets(st.sampled_from(DISSIPATIVE), min_size=1, max_size=3), start=st.floats(-0.08, 0.08),
        speed=st.floats(-1.0, 1.0))  # fmt: skip
 def test_losses_never_add_energy(names, start, speed):

@@ -47,7 +47,7 @@ def test_noises_differ_in_what_they_are_and_not_in_the_rig() -> None:
 
 
 def test_the_level_that_a_draw_states_is_that_of_its_readings() -> None:
-    for seed in range(20):
+    for seed in range(8):
         draw = lottery.draw(seed, None, noise="coloured", ranges="wide")
         made = api.simulate(draw.spec)
         assert np.std(made.position - made.motion.position) == pytest.approx(draw.noise, rel=0.12), seed
@@ -64,10 +64,9 @@ def test_two_effects_are_both_there_and_two_dry_frictions_are_refused() -> None:
 
 @pytest.mark.parametrize("name", lottery.NAMES)
 def test_no_wide_rig_runs_away(name: str) -> None:
-    for seed in range(2):
-        for experiment in lottery.EXPERIMENTS:
-            draw = lottery.draw(seed, name, seed % 2 == 0, experiment, 250.0, ranges="wide")
-            assert np.isfinite(api.simulate(draw.spec).position).all()
+    for seed, experiment in enumerate(lottery.EXPERIMENTS):
+        draw = lottery.draw(seed, name, seed % 2 == 0, experiment, 250.0, ranges="wide")
+        assert np.isfinite(api.simulate(draw.spec).position).all()
 
 
 @cache
@@ -79,7 +78,7 @@ def moved(spec: str) -> np.ndarray:
 @pytest.mark.parametrize("name", lottery.VARIANTS)
 def test_a_variant_is_drawn_and_moves_the_cart_otherwise(name: str) -> None:
     experiment = "sweep" if name == lottery.BAND_LIMITED else "steps"
-    for seed in range(8):
+    for seed in range(4):
         draw = lottery.draw(seed, name, False, experiment, 250.0)
         assert draw.truth == {name}
         spec = {**draw.spec, "encoder": {}}
