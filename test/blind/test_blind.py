@@ -81,12 +81,16 @@ def test_hidden_cause_is_named_and_nothing_else(case: Case) -> None:
     assert found.heldout_floors < 1.5
 
 
-def test_a_faint_stribeck_peak_beside_a_stop_is_not_taken_for_coulomb_friction() -> None:
-    assert outcome(FAINT_PEAK).exact
+def test_a_faint_stribeck_peak_beside_a_stop_is_not_taken_for_coulomb_friction(
+    asking_about: Callable[..., None],
+) -> None:
+    asking_about("coulomb_friction", "stribeck_friction", "end_stop")
+    assert run(FAINT_PEAK).exact
 
 
-def test_sets_are_begun_again_when_a_smaller_one_is_found_to_leave_less() -> None:
-    assert outcome(LATE_MINIMUM).exact
+def test_sets_are_begun_again_when_a_smaller_one_is_found_to_leave_less(asking_about: Callable[..., None]) -> None:
+    asking_about("position_dependent_friction", "cogging", "coulomb_friction", "stribeck_friction")
+    assert run(LATE_MINIMUM).exact
 
 
 @pytest.mark.usefixtures("without_copies")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -271,8 +271,9 @@ def test_the_second_author_has_every_fault_alone_and_beside_friction() -> None:
         assert set(rig.laws) == rig.truth and len(rig.truth) == (case.hidden is not None) + (case.kind == "beside")
 
 
-def test_a_rig_of_the_second_author_is_run_and_told() -> None:
+def test_a_rig_of_the_second_author_is_run_and_told(asking_about: Callable[..., None]) -> None:
     """One that two causes move, of which the record shows both; its intervals stand beside the truth."""
+    asking_about("coulomb_friction", "force_gain_nonlinearity", "force_dead_zone", "backlash", "stribeck_friction")
     found = run(Case(511, "dead_zone", True, "steps", 500.0, author="mujoco"))
     assert set(found.truth) == {"coulomb_friction", "force_gain_nonlinearity"} and found.case.kind == "beside"
     assert found.exact and found.without_floors > 2.0
