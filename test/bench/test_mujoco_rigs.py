@@ -37,7 +37,7 @@ def test_a_rig_without_faults_is_the_linear_one() -> None:
 
 def test_frictionloss_is_dry_friction() -> None:
     """Between two turns it is a constant force: each swing is shorter by 2 Fc/k both ways, and at last it stands."""
-    undamped = replace(PLAIN, damping=0.0, frictionloss=0.5, start=0.01, commands=(0.0,) * 1200, noise=1e-6, count=0.0)
+    undamped = replace(PLAIN, damping=0.0, frictionloss=0.5, start=0.01, commands=(0.0,) * 1200, noise=5e-6, count=0.0)
     found = simulate.positions(undamped)
     turn, shift = math.sqrt(420.0 / 1.1), 0.5 / 420.0
     half = math.pi / turn
@@ -51,7 +51,7 @@ def test_frictionloss_is_dry_friction() -> None:
 def test_a_limit_with_a_small_impedance_is_a_spring_on_one_side() -> None:
     """A rig pressed into it stands where both springs carry the force; MuJoCo's k counts per mass without armature."""
     limit = Limit(-1.0, 0.005, 2000.0, 80.0, (1e-4, 1e-4), 0.001)
-    pressed = replace(PLAIN, damping=20.0, limit=limit, commands=(2.0,) * 3000)
+    pressed = replace(PLAIN, damping=20.0, limit=limit, commands=(2.0,) * 1000)
     place = simulate.stepped(pressed, 40)[-1]
     assert 420.0 * place + 0.8 * 2000.0 * (place - 0.005) == pytest.approx(4.0, rel=1e-3)
 
@@ -77,7 +77,8 @@ def test_every_fault_is_drawn_and_moves_the_rig_otherwise(fault: str | None) -> 
     rig = draw(3, fault, True, "steps")
     assert rig == draw(3, fault, True, "steps") and set(rig.faults) == {fault or "frictionloss", "frictionloss"}
     plain = replace(rig, frictionloss=0.0, lag=0.0, saturation=math.inf, dead_zone=0.0, limit=None)
-    moved = np.abs(simulate.stepped(rig, 5) - simulate.stepped(plain, 5)).max()
+    short, other = (replace(one, commands=one.commands[:1500]) for one in (rig, plain))
+    moved = np.abs(simulate.stepped(short, 5) - simulate.stepped(other, 5)).max()
     assert moved > 3.0 * rig.noise_level
     assert len(rig.commands) > 3000 and max(map(abs, rig.commands)) > 0.0
 

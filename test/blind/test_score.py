@@ -14,6 +14,7 @@ from bench.blind import plan, score, told, truth
 from bench.blind.__main__ import chosen, main
 from bench.blind.cases import Case, Outcome, run, sealed
 from bench.blind.truth import FAMILIES
+from bench.mujoco_rigs import simulate
 from bench.mujoco_rigs.rig import EXPERIMENTS, FAULTS
 from msd_ident.errors import DataError
 from msd_ident.model.effects import LIBRARY
@@ -271,9 +272,12 @@ def test_the_second_author_has_every_fault_alone_and_beside_friction() -> None:
         assert set(rig.laws) == rig.truth and len(rig.truth) == (case.hidden is not None) + (case.kind == "beside")
 
 
-def test_a_rig_of_the_second_author_is_run_and_told(asking_about: Callable[..., None]) -> None:
+def test_a_rig_of_the_second_author_is_run_and_told(
+    asking_about: Callable[..., None], monkeypatch: pytest.MonkeyPatch
+) -> None:
     """One that two causes move, of which the record shows both; its intervals stand beside the truth."""
     asking_about("coulomb_friction", "force_gain_nonlinearity", "force_dead_zone", "backlash", "stribeck_friction")
+    monkeypatch.setattr(simulate, "STEPS", 5)  # to begin with: steps are halved until that changes nothing
     found = run(Case(511, "dead_zone", True, "steps", 500.0, author="mujoco"))
     assert set(found.truth) == {"coulomb_friction", "force_gain_nonlinearity"} and found.case.kind == "beside"
     assert found.exact and found.without_floors > 2.0

@@ -129,8 +129,10 @@ def test_steps_in_chunks_are_the_same_as_one_run(names, cuts):
     assert np.abs(one - many).max() < 1e-12
 
 
-def test_a_conservative_rig_keeps_its_energy_for_a_thousand_swings():
-    spec = PLANT | {"damping": 0.0, "duration": 240.0, "rate": 10.0, "force_time": [0.0], "force": [0.0]}
+@pytest.mark.parametrize("swings", [100, pytest.param(1000, marks=pytest.mark.long)])
+def test_a_conservative_rig_keeps_its_energy_for_many_swings(swings):
+    """An error that adds up would be as large in proportion."""
+    spec = PLANT | {"damping": 0.0, "duration": 0.24 * swings, "rate": 10.0, "force_time": [0.0], "force": [0.0]}
     forces = {"cubic_spring": {"cubic_stiffness": 1e5}, "backlash": {"backlash_half_width": 0.002},
               "end_stop": {"stop_position": 0.03, "stop_stiffness": 2e4}, "cogging": {"cogging_amplitude": 0.5},
               "magnet": {}}  # fmt: skip
@@ -142,7 +144,7 @@ def test_a_conservative_rig_keeps_its_energy_for_a_thousand_swings():
     potential -= 0.5 * 0.01 / (2.0 * np.pi) * np.cos(2.0 * np.pi * x / 0.01)
     potential += 1e-3 / 0.003 * np.arctan((0.04 - x) / 0.003)
     energy = 0.45 * seen.velocity**2 + potential
-    assert np.ptp(energy) < 2e-9 * abs(energy).max()
+    assert np.ptp(energy) < 2e-12 * swings * abs(energy).max()
 
 
 def test_all_smooth_effects_together_against_scipy():
