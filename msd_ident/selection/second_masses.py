@@ -12,6 +12,7 @@ so each trial of ω and ζ is one linear regression, without a simulation (varia
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection
 from dataclasses import dataclass
 
@@ -24,6 +25,7 @@ from msd_ident.estimate.levels import TENTH
 from msd_ident.estimate.peaks import highest
 from msd_ident.model import Model
 from msd_ident.model.effects import typical
+from msd_ident.model.effects.law import SECOND_MASS
 from msd_ident.tuning import fixed, tuned
 
 _FREQUENCIES = tuned(
@@ -92,6 +94,15 @@ def light_masses(plant: Model, record: Record) -> list[tuple[float, float, float
     mass, ratio = TENTH * plant.mass, _RATIOS[-1]
     found = _frequencies(plant, record, record.duration / (record.samples - 1), THOROUGH // 2).tolist()
     return [(mass, mass * w * w, 2.0 * ratio * mass * w) for w in found]
+
+
+def swing(model: Model) -> float:
+    """Period [s] in which a second mass swings against the first, 2·pi·sqrt(m·m2/(m + m2)/k2); 0 without one."""
+    hung = model.structure(SECOND_MASS)
+    if not hung or not hung[0] > 0.0:
+        return 0.0
+    reduced = model.mass * hung[0] / (model.mass + hung[0])
+    return 2.0 * math.pi * math.sqrt(reduced / hung[1]) if hung[1] > 0.0 else math.inf
 
 
 def _frequencies(plant: Model, record: Record, period: float, count: int) -> FloatArray:

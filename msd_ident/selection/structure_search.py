@@ -30,6 +30,7 @@ from msd_ident.selection.observer import can_follow, followed
 from msd_ident.selection.ordering import leading, rank
 from msd_ident.selection.promising import explaining, explains, pairs
 from msd_ident.selection.ranking import Ranking
+from msd_ident.selection.second_masses import swing
 from msd_ident.selection.simpler_sets import equal_to, nearest
 from msd_ident.selection.speed_curves import merged
 from msd_ident.selection.subset_regression import likely
@@ -306,9 +307,13 @@ class Search:
             self._keep(refine(self.experiment, causes, model, initial))
 
     def _keep(self, fitted: Hypothesis) -> None:
-        """A set's best fit so far, also of simpler sets that it is equal to."""
+        """A set's best fit so far, also of simpler sets that it is equal to.
+
+        A second mass of which the record holds less than a swing is a weak spring, or any other slow force: no fit with
+        it is kept.
+        """
         before = self.sets.get(fitted.causes)
-        if before is not None and before.chi <= fitted.chi:
+        if before is not None and before.chi <= fitted.chi or swing(fitted.model) > self.experiment.scales.duration:
             return
         least = min((one.chi for one in self.sets.values()), default=math.inf) if before is None else before.chi
         self.sets[fitted.causes] = fitted
