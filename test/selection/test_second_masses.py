@@ -35,7 +35,7 @@ def test_a_second_mass_swings_against_the_first(stiffness: float, period: float)
 
 
 def test_a_second_mass_that_does_not_swing_once_is_not_kept() -> None:
-    """An axis with a ball screw had one of 106 kg on a spring of 1.7 N/m, and dropped the offset that acts beside it."""
+    """An axis with a ball screw had one of 106 kg on 1.7 N/m, and dropped the offset that acts beside it."""
     data = steps()
     search = Search(data, lambda fitted: False, lambda stage, part, cause: None)
     slow, seen = (fitted(data, BASE + SecondMode(0.5, k2, 0.1), 100.0) for k2 in (1e-3, 50.0))
