@@ -31,9 +31,9 @@ FOUR = {
 }
 
 
-def measured(effects: dict[str, dict[str, float]], hold: str = "zero") -> Record:
+def measured(effects: dict[str, dict[str, float]], hold: str = "zero", rate: float = 250.0) -> Record:
     """Steps of many sizes on a rig of msd_sim with these effects, read with a noise of 2 µm."""
-    time = np.arange(1500) / 250.0
+    time = np.arange(int(6.0 * rate)) / rate
     levels = 8.0 * np.random.default_rng(5).uniform(-1.0, 1.0, 13)
     levels[0] = 0.0
     force = levels[np.minimum((time / time[-1] * 13).astype(int), 12)]
@@ -77,7 +77,7 @@ def test_a_search_finds_what_no_cause_shows_alone(monkeypatch: pytest.MonkeyPatc
 @pytest.mark.long
 def test_a_diagnosis_names_what_no_cause_shows_alone() -> None:
     """Without the regression drag alone is named, with 0.84, and 233 of 577 noise floors are left."""
-    found = pipeline.diagnose([measured(FOUR)])
+    found = pipeline.diagnose([measured(FOUR, rate=500.0)])
     assert {cause.name for cause in found.causes} == set(FOUR)
     assert all(cause.probability > 0.9 for cause in found.causes)
     assert found.adequacy.ratio < 1.1
