@@ -105,7 +105,7 @@ def mujoco(seed: int, fault: str | None, beside: bool, experiment: str) -> Seale
 
 def several(seed: int, experiment: str) -> Sealed:
     """With three to five faults at once."""
-    rig = several_rig.draw(seed, experiment)
+    rig = several_simulate.drawn(seed, experiment)
     changes = {_cause(rig, name): change for name, change in several_simulate.changes(rig).items()}
     return Sealed(frozenset(changes), rig.plant, changes, experiment, lambda path: _write_several(rig, path))
 

@@ -110,8 +110,8 @@ class Rig:
 class _Lot:
     """Random numbers of one rig, and the sizes that strengths are drawn in: force, travel, speed, time."""
 
-    def __init__(self, seed: int) -> None:
-        self.rng = np.random.default_rng([seed, 47])
+    def __init__(self, seed: int, turn: int) -> None:
+        self.rng = np.random.default_rng([seed, 47, turn] if turn else [seed, 47])
         self.mass, self.omega = self.log(0.3, 3.0), self.log(8.0, 35.0)
         self.stiffness = self.mass * self.omega**2
         self.damping = 2.0 * self.even(0.03, 0.25) * self.mass * self.omega
@@ -181,9 +181,9 @@ def _second(lot: _Lot, mass: float, omega: float) -> dict[str, float]:
     return {"second_mass": mass, "second_stiffness": mass * omega**2, "second_damping": 0.08 * mass * omega}
 
 
-def draw(seed: int, experiment: str) -> Rig:
-    """A rig with three to five faults, each of them from faint to plain."""
-    lot = _Lot(seed)
+def draw(seed: int, experiment: str, turn: int = 0) -> Rig:
+    """A rig with three to five faults, each of them from faint to plain; another one each ``turn``."""
+    lot = _Lot(seed, turn)
     names = [str(name) for name in lot.rng.permutation(sorted(FAULTS))]
     dry = [name for name in names if name in _DRY]
     faults = [name for name in names if name not in dry[1:]][: int(lot.rng.integers(3, 6))]

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from itertools import count
 from pathlib import Path
 
 import numpy as np
 from numba import njit
 from scipy.signal import lfilter
 
-from bench.several_faults.rig import Law, Rig
+from bench.several_faults.rig import Law, Rig, draw
 
 #: Runge-Kutta steps of a sample.
 STEPS = 30
@@ -69,11 +70,27 @@ def _driven(rig: Rig) -> np.ndarray:
     return np.asarray(lfilter([0.0, 1.0 - kept], [1.0, -kept], made))
 
 
+class RunsAway(Exception):
+    """The motion of a rig does not stay finite: its springs push it on."""
+
+
+def drawn(seed: int, experiment: str) -> Rig:
+    """The first of a seed's rigs whose motion stays finite."""
+    for turn in count():
+        rig = draw(seed, experiment, turn)
+        try:
+            readings(rig)
+        except RunsAway:
+            continue
+        return rig
+    raise AssertionError
+
+
 def readings(rig: Rig) -> np.ndarray:
     """What the encoder reads at each sample [m]."""
     exact = _positions(_driven(rig), 1.0 / (rig.rate * STEPS), rig.law)
     if not np.isfinite(exact).all():
-        raise RuntimeError(f"rig {rig.seed} ({', '.join(rig.faults)}) runs away; expected a motion that stays finite")
+        raise RunsAway(f"rig {rig.seed} ({', '.join(rig.faults)}) runs away; expected a motion that stays finite")
     time = np.arange(exact.size) / rig.rate
     shown = exact + rig.value("bend") * exact**2 + rig.value("bow") * exact**3 + rig.value("drift") * time
     shown += np.random.default_rng([rig.seed, 48]).normal(size=exact.size) * rig.noise

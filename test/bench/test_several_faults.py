@@ -15,6 +15,8 @@ from bench.several_faults.rig import EXPERIMENTS, FAULTS, Rig, draw
 
 #: Faults whose law is smooth, so that another integrator agrees to many digits.
 SMOOTH = {"cubic": 4e5, "square": 3e3, "drag": 5.0, "ripple": 0.2, "pitch": 0.004, "ripple_phase": 0.3, "offset": -0.3}
+#: A rig whose spring pushes it on: the first that this seed draws.
+AWAY = 144
 TIMED = {"aging": 0.05, "tone": 0.2, "tone_frequency": 17.0, "second_mass": 0.2, "second_stiffness": 400.0}
 
 
@@ -113,8 +115,16 @@ def test_a_draw_is_the_same_for_the_same_seed_and_has_three_to_five_faults_that_
 
 def test_a_rig_that_runs_away_says_so() -> None:
     away = replace(rig({"square": {"square": 1e6}}), seed=7)
-    with pytest.raises(RuntimeError, match=r"rig 7 \(square\) runs away; expected a motion that stays finite"):
+    with pytest.raises(simulate.RunsAway, match=r"rig 7 \(square\) runs away; expected a motion that stays finite"):
         simulate.readings(away)
+
+
+def test_of_a_rig_that_runs_away_another_one_is_drawn() -> None:
+    with pytest.raises(simulate.RunsAway):
+        simulate.readings(draw(AWAY, EXPERIMENTS[AWAY % 3]))
+    found = simulate.drawn(AWAY, EXPERIMENTS[AWAY % 3])
+    assert np.isfinite(simulate.readings(found)).all() and found.seed == AWAY
+    assert simulate.drawn(0, "steps").faults == draw(0, "steps").faults
 
 
 def test_it_shares_nothing_with_the_others() -> None:

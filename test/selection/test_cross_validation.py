@@ -116,7 +116,7 @@ def test_useless_effects_lose(rigs: int, better: int, no_gain: int) -> None:
 
 
 @pytest.mark.parametrize("fall", [100.0, np.inf])
-@pytest.mark.parametrize(("rigs", "visible", "lost"), [(8, 7, 1), pytest.param(18, 14, 2, marks=pytest.mark.long)])
+@pytest.mark.parametrize(("rigs", "visible", "lost"), [(9, 7, 1), pytest.param(18, 14, 2, marks=pytest.mark.long)])
 def test_true_effects_win_also_when_they_are_faint(rigs: int, visible: int, lost: int, fall: float) -> None:
     trials = list(held_out.true(range(100, 100 + rigs), fall=fall))
     assert len(trials) >= visible
