@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -51,7 +52,11 @@ def test_it_holds_where_it_is_strong() -> None:
         assert bool(np.any(Simulator(model, pushed).positions(model.values))) is moves
 
 
-def test_it_is_found() -> None:
+def test_it_is_found(asking_about: Callable[..., None]) -> None:
+    asking_about(
+        "friction_ripple", "coulomb_friction", "stribeck_friction", "position_dependent_friction", "friction_drift",
+        "smooth_friction", "cogging", "quadratic_drag",
+    )  # fmt: skip
     time = np.arange(4000) / 500.0
     random = np.random.default_rng(8)
     force = random.uniform(-8.0, 8.0, 16)[np.arange(time.size) // 250]
