@@ -150,7 +150,5 @@ def test_what_the_record_cannot_separate_stands_together(
     assert {cause.name, *cause.tied_with} == {"sensor_drift", "force_offset"}
     assert 0.2 < cause.probability < 0.8
     names = f"{spoken(cause.name)} from {spoken(cause.tied_with[0])}"
-    assert (
-        f"this data cannot tell {names} (one of them acts: probability > 99.9 %). With it, the residual"
-        in found.summary
-    )
+    acts = "(one of them acts: probability > 99.9 %)"
+    assert f"this data cannot tell {names} {acts}. With it, the residual is consistent with noise" in found.summary
