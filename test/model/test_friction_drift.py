@@ -7,10 +7,10 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from effect_examples import DAMPING, MASS, STIFFNESS, plant, record
-from scipy.integrate import solve_ivp
+from effect_examples import MASS, STIFFNESS, plant, record
+from frictionrigs import rubbing
 
-from msd_ident.data.record import Record, from_samples
+from msd_ident.data.record import from_samples
 from msd_ident.model import Simulator
 from msd_ident.model.effects import Effect
 from msd_ident.model.effects.friction_drift import FrictionDrift
@@ -18,25 +18,10 @@ from msd_ident.model.effects.settling_friction import SettlingFriction
 from msd_ident.workflow import pipeline
 
 LAWS = {
-    "drift": (FrictionDrift(0.4, -0.3), lambda t: 0.4 * max(1.0 - 0.3 * t, 0.0)),
-    "gone": (FrictionDrift(0.4, -0.8), lambda t: 0.4 * max(1.0 - 0.8 * t, 0.0)),
-    "settles": (SettlingFriction(0.2, 2.0, 0.4), lambda t: 0.2 * (1.0 + 2.0 * math.exp(-t / 0.4))),
+    "drift": (FrictionDrift(0.4, -0.3), lambda t, x: 0.4 * max(1.0 - 0.3 * t, 0.0)),
+    "gone": (FrictionDrift(0.4, -0.8), lambda t, x: 0.4 * max(1.0 - 0.8 * t, 0.0)),
+    "settles": (SettlingFriction(0.2, 2.0, 0.4), lambda t, x: 0.2 * (1.0 + 2.0 * math.exp(-t / 0.4))),
 }
-
-
-def rubbing(measured: Record, friction, steepness: float) -> np.ndarray:  # type: ignore[no-untyped-def]
-    """Positions (n,) of the examples' plant with friction(t)·tanh(v·steepness), nearly a jump at v = 0."""
-
-    def slope(t: float, state: np.ndarray) -> list[float]:
-        force = measured.force[np.searchsorted(measured.force_time, t, side="right") - 1]
-        rubs = friction(t) * math.tanh(state[1] * steepness)
-        return [state[1], (force - DAMPING * state[1] - rubs - STIFFNESS * state[0]) / MASS]
-
-    found, state = [0.0], np.zeros(2)
-    for begin, end in zip(measured.time[:-1], measured.time[1:], strict=True):
-        state = solve_ivp(slope, (begin, end - 1e-12), state, method="LSODA", rtol=1e-8, atol=1e-11).y[:, -1]
-        found.append(float(state[0]))
-    return np.array(found)
 
 
 @pytest.mark.parametrize("name", LAWS)
@@ -70,7 +55,9 @@ def test_it_is_found(settles: bool, asking_about: Callable[..., None]) -> None:
     force = random.uniform(-8.0, 8.0, 16)[np.arange(time.size) // 125]
     measured = from_samples(time, force, np.zeros(time.size))
     truth: Effect = SettlingFriction(0.3, 1.5, 2.0) if settles else FrictionDrift(0.6, -0.08)
-    friction = (lambda t: 0.3 * (1.0 + 1.5 * math.exp(-t / 2.0))) if settles else (lambda t: 0.6 * (1.0 - 0.08 * t))
+    friction = (
+        (lambda t, x: 0.3 * (1.0 + 1.5 * math.exp(-t / 2.0))) if settles else (lambda t, x: 0.6 * (1.0 - 0.08 * t))
+    )
     readings = rubbing(measured, friction, 1e4) + random.normal(0.0, 1e-5, time.size)
     found = pipeline.diagnose([from_samples(time, force, readings)])
     assert [cause.name for cause in found.causes] == [truth.name]

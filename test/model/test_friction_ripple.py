@@ -7,30 +7,19 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from effect_examples import DAMPING, MASS, STIFFNESS, plant, record
-from scipy.integrate import solve_ivp
+from effect_examples import MASS, STIFFNESS, plant, record
+from frictionrigs import rubbing
 
-from msd_ident.data.record import Record, from_samples
+from msd_ident.data.record import from_samples
 from msd_ident.model import Simulator
 from msd_ident.model.effects.friction_ripple import FrictionRipple
 from msd_ident.workflow import pipeline
 
 
-def rubbing(measured: Record, law: FrictionRipple, steepness: float) -> np.ndarray:
-    """Positions (n,) of the examples' plant with friction(x)·tanh(v·steepness), nearly a jump at v = 0."""
+def friction(law: FrictionRipple) -> Callable[[float, float], float]:
+    """The law's friction [N] over time and place, written once more."""
     fc, ripple, pitch, phase = law.values
-
-    def slope(t: float, state: np.ndarray) -> list[float]:
-        force = measured.force[np.searchsorted(measured.force_time, t, side="right") - 1]
-        friction = fc * max(1.0 + ripple * math.sin(2.0 * math.pi * state[0] / pitch + phase), 0.0)
-        rubs = friction * math.tanh(state[1] * steepness)
-        return [state[1], (force - DAMPING * state[1] - rubs - STIFFNESS * state[0]) / MASS]
-
-    found, state = [0.0], np.zeros(2)
-    for begin, end in zip(measured.time[:-1], measured.time[1:], strict=True):
-        state = solve_ivp(slope, (begin, end - 1e-12), state, method="LSODA", rtol=1e-8, atol=1e-11).y[:, -1]
-        found.append(float(state[0]))
-    return np.array(found)
+    return lambda t, x: fc * max(1.0 + ripple * math.sin(2.0 * math.pi * x / pitch + phase), 0.0)
 
 
 @pytest.mark.parametrize("values", [(0.3, 0.5, 0.012, 0.4), (0.4, 1.5, 0.02, -1.0)], ids=["part", "gone at places"])
@@ -39,7 +28,7 @@ def test_against_scipy(values: tuple[float, ...]) -> None:
     measured = record(rate=250.0, duration=2.0)
     model = plant() + law
     found = Simulator(model, measured).positions(model.values)
-    expected = rubbing(measured, law, 1e5)
+    expected = rubbing(measured, friction(law), 1e5)
     assert np.max(np.abs(found - expected)) < 2e-4 * np.ptp(expected)
 
 
@@ -62,7 +51,7 @@ def test_it_is_found(asking_about: Callable[..., None]) -> None:
     force = random.uniform(-8.0, 8.0, 16)[np.arange(time.size) // 250]
     measured = from_samples(time, force, np.zeros(time.size))
     truth = FrictionRipple(0.5, 0.4, 0.011, 0.8)
-    readings = rubbing(measured, truth, 1e4) + random.normal(0.0, 1e-5, time.size)
+    readings = rubbing(measured, friction(truth), 1e4) + random.normal(0.0, 1e-5, time.size)
     found = pipeline.diagnose([from_samples(time, force, readings)])
     assert [cause.name for cause in found.causes] == ["friction_ripple"] and found.causes[0].probability > 0.9
     model = found.extended.model
