@@ -10,9 +10,9 @@ from msd_ident.selection.calibration import Calibration
 from msd_ident.selection.cross_validation import HeldOut, predict
 from msd_ident.selection.evidence import NoiseScale, scale_from
 from msd_ident.selection.experiment import Experiment
+from msd_ident.selection.fitted_sets import Progress
 from msd_ident.selection.hypothesis import Hypothesis
 from msd_ident.selection.ranking import Ranking
-from msd_ident.selection.structure_search import Progress
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ def chosen(experiment: Experiment, base: Hypothesis, ranking: Ranking, calibrate
         base: the fitted base model.
         ranking: all fitted sets.
         calibrate: whether copies are diagnosed whatever they cost.
-        progress: called for each stage, see ``structure_search.Progress``.
+        progress: called for each stage, see ``fitted_sets.Progress``.
     """
     progress("prediction of left-out data", 0.88, "")
     ranking = replace(ranking, rich=not replication.is_poor(experiment, base))

@@ -38,9 +38,9 @@ from msd_ident.selection.candidate_models import of_ranking
 from msd_ident.selection.cause_assessment import assess
 from msd_ident.selection.evidence import NoiseScale
 from msd_ident.selection.experiment import Experiment
+from msd_ident.selection.fitted_sets import Progress
 from msd_ident.selection.hypothesis import Hypothesis
 from msd_ident.selection.ranking import DECISIVE, Ranking
-from msd_ident.selection.structure_search import Progress
 
 
 def diagnose_records(task: Task, progress: Progress = silent, earlier: Diagnosis | None = None) -> Diagnosis:

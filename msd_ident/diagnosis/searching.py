@@ -29,10 +29,11 @@ from msd_ident.selection.candidate_models import CandidateModel
 from msd_ident.selection.cause_assessment import noted
 from msd_ident.selection.evidence import NoiseScale, scale_from
 from msd_ident.selection.experiment import Experiment
-from msd_ident.selection.hypothesis import Hypothesis
+from msd_ident.selection.fitted_sets import Progress
+from msd_ident.selection.hypothesis import NOTHING, Hypothesis
 from msd_ident.selection.ordering import rank
 from msd_ident.selection.ranking import Ranking
-from msd_ident.selection.structure_search import NOTHING, Progress, Remembered
+from msd_ident.selection.structure_search import Remembered
 
 
 def silent(stage: str, fraction: float, cause: str) -> None:

@@ -8,10 +8,9 @@ from msd_ident.estimate.effort import SAMPLES
 from msd_ident.model import Model
 from msd_ident.model.base_model import OFFSET
 from msd_ident.selection.experiment import Experiment
-from msd_ident.selection.hypothesis import COULOMB, Hypothesis
+from msd_ident.selection.hypothesis import COULOMB, NOTHING, Hypothesis
 from msd_ident.selection.hypothesis_fit import refine
 from msd_ident.selection.starting_values import plain_axes
-from msd_ident.selection.structure_search import NOTHING
 
 
 def shared_fits(experiment: Experiment, plant: Model) -> Shared:

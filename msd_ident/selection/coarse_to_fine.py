@@ -17,10 +17,11 @@ from msd_ident.selection.cause_assessment import noted
 from msd_ident.selection.equal_motion import equal_motion
 from msd_ident.selection.evidence import log_evidence, scale_from
 from msd_ident.selection.experiment import Experiment
+from msd_ident.selection.fitted_sets import Progress
 from msd_ident.selection.hypothesis import Hypothesis
 from msd_ident.selection.hypothesis_fit import FAR, REACH, refine
 from msd_ident.selection.ranking import LEADERS, NEAR, Ranking
-from msd_ident.selection.structure_search import Progress, Remembered, Search
+from msd_ident.selection.structure_search import Remembered, Search
 
 
 def search(

@@ -23,6 +23,7 @@ from msd_ident.residuals.noise_spectrum import NoiseSpectrum
 _Made = TypeVar("_Made")
 
 Causes = frozenset[str]
+NOTHING: Causes = frozenset()
 COULOMB = DRY_FRICTION
 #: Laws that hold Coulomb's as a limit, with the parameter that becomes its force.
 HOLDING_COULOMB = {effect.name: effect.dry_limit for effect in LIBRARY if effect.dry_limit}

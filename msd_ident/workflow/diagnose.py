@@ -12,7 +12,7 @@ from msd_ident.errors import UsageError
 from msd_ident.estimate import FitResult, explained
 from msd_ident.estimate.levels import MOST_OF
 from msd_ident.residuals import impulses
-from msd_ident.selection.structure_search import Progress
+from msd_ident.selection.fitted_sets import Progress
 from msd_ident.workflow.options import Options
 from msd_ident.workflow.preparation import Prepared, held_otherwise, prepare
 from msd_ident.workflow.spring_decision import Decision, has_spring, hidden_spring, needless_spring

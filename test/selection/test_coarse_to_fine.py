@@ -11,7 +11,8 @@ import pytest
 
 from msd_ident.data.record import Record, from_samples
 from msd_ident.model.effects.end_stop import EndStop
-from msd_ident.selection import coarse_to_fine, structure_search
+from msd_ident.selection import coarse_to_fine, fitted_sets
+from msd_ident.selection.hypothesis import Hypothesis
 from msd_ident.selection.ranking import Ranking
 from msd_ident.workflow import pipeline
 from msd_sim import api
@@ -33,13 +34,13 @@ def swept() -> Record:
 def test_mean_forces_are_left_once_they_hide_what_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
     """They keep the truth itself from the noise: searched for it, everything helps a little, for minutes."""
     fitted: set[frozenset[str]] = set()
-    keep = structure_search.Search._keep
+    keep = fitted_sets.FittedSets._keep
 
-    def noted(self: structure_search.Search, one: structure_search.Fitted) -> None:
+    def noted(self: fitted_sets.FittedSets, one: Hypothesis) -> None:
         fitted.add(one.causes)
         keep(self, one)
 
-    monkeypatch.setattr(structure_search.Search, "_keep", noted)
+    monkeypatch.setattr(fitted_sets.FittedSets, "_keep", noted)
     diagnosis = pipeline.diagnose([swept()])
     assert [cause.name for cause in diagnosis.causes] == ["end_stop"] and diagnosis.verdict == "explained"
     assert diagnosis.extended.model["stop_position"] == pytest.approx(EndStop(**STOP).stop_position, rel=1e-3)

@@ -28,8 +28,7 @@ from msd_ident.model.effects.stiffness_drift import StiffnessDrift
 from msd_ident.model.effects.time_offset import TimeOffset
 from msd_ident.residuals.noise_model import prepare
 from msd_ident.selection.experiment import Experiment
-from msd_ident.selection.hypothesis import Hypothesis
-from msd_ident.selection.hypothesis_fit import StartingPoint, refine
+from msd_ident.selection.hypothesis_fit import refine
 from msd_ident.selection.ranking import Ranking
 from msd_ident.selection.structure_search import Search
 from msd_sim.api import simulate
@@ -147,29 +146,6 @@ def test_a_law_that_holds_coulomb_friction_is_begun_from_the_same_set_with_it() 
     assert begun == [(drag, False), (rubs, False), (peak, True)]
     assert [one.causes for one in search.neighbours.parents(peak, search.sets)] == [rubs]
     assert not search._fit([peak], 0.0, 1.0)
-
-
-def test_a_start_that_leaves_many_times_what_no_motion_leaves_is_not_followed() -> None:
-    """Its fit would simulate a model without a spring, or a stiff one, for minutes."""
-    experiment = rubbing()
-    base = stood(experiment, BASE)
-    search = Search(experiment, lambda fitted: True, lambda stage, part, cause: None)
-    search.sets = {base.causes: base}
-    rubs = frozenset({"coulomb_friction"})
-    search._look_again(rubs, Plant(0.1, 0.0, 0.0) + CoulombFriction(0.0), base.initial)
-    assert rubs not in search.sets and rubs not in search.tried
-    search._look_again(rubs, BASE + CoulombFriction(0.25), base.initial)
-    assert np.isclose(search.sets[rubs].model["coulomb_force"], 0.03 * 9.81, rtol=0.01)
-
-
-def test_a_set_that_leads_is_fitted_to_the_end() -> None:
-    experiment = rubbing()
-    base, near = stood(experiment, BASE), stood(experiment, BASE + CoulombFriction(0.25))
-    search = Search(experiment, lambda fitted: False, lambda stage, part, cause: None)
-    search.sets = {base.causes: base}
-    ended = search._converged(near, base.chi)
-    assert np.isclose(ended.model["coulomb_force"], 0.03 * 9.81, rtol=0.01) and search.sets[near.causes] is ended
-    assert search._converged(base, ended.chi) is base, "one that does not lead stays as it is"
 
 
 def test_a_ripple_that_a_regression_shows_is_tried_beside_each_other_cause_and_begun_from_it() -> None:
@@ -305,32 +281,6 @@ def test_what_the_likeliest_set_lacks_is_tried_where_a_disturbance_leads_the_wal
     assert found.extended.see < 0.5
 
 
-def test_a_set_whose_further_effect_ends_without_strength_is_a_fit_of_the_set_without_it() -> None:
-    experiment = rubbing()
-    wrong = stood(experiment, BASE + CoulombFriction(0.15))
-    right = BASE + CoulombFriction(0.03 * 9.81)
-    search = Search(experiment, lambda fitted: True, lambda stage, part, cause: None)
-    search.sets = {one.causes: one for one in (stood(experiment, BASE), wrong)}
-    search._keep(stood(experiment, right + QuadraticDrag(0.0)))
-    assert np.isclose(search.sets[wrong.causes].model["coulomb_force"], 0.03 * 9.81, rtol=0.01)
-    assert search.sets[wrong.causes].chi < 0.1 * wrong.chi
-
-
-def test_sets_that_were_not_worth_it_are_looked_at_again_beside_one_that_leaves_half() -> None:
-    """Their starts promised little from the sets that were known then."""
-    data = steps()
-    rubs, drag = BASE + CoulombFriction(0.1), BASE + QuadraticDrag(1.0)
-    search = Search(data, lambda fitted: False, lambda stage, part, cause: None)
-    search.sets = {one.causes: one for one in (fitted(data, BASE, 9e5), fitted(data, rubs, 8e5))}
-    beside = {frozenset({"quadratic_drag", name}) for name in ("coulomb_friction", "end_stop")}
-    other = frozenset({"coulomb_friction", "end_stop"})
-    for chi, again in ((4.1e5, False), (3.9e5, True)):
-        search.sets.pop(frozenset({"quadratic_drag"}), None)
-        search.tried = {*beside, other}
-        search._keep(fitted(data, drag, chi))
-        assert search.tried == ({other} if again else {*beside, other})
-
-
 def test_neighbours_of_the_likeliest_set_that_came_last_are_fitted_too(monkeypatch: pytest.MonkeyPatch) -> None:
     """Cogging and drag beside Coulomb friction come near a friction that falls with speed beside cogging."""
     data = steps()
@@ -349,66 +299,6 @@ def test_neighbours_of_the_likeliest_set_that_came_last_are_fitted_too(monkeypat
     search._around_likeliest()
     assert frozenset({"cogging", "stribeck_friction"}) in asked, "another law in place of one"
     assert frozenset({"cogging", "coulomb_friction", "quadratic_drag"}) in asked, "one more"
-
-
-def test_a_set_is_not_fitted_where_one_with_a_cause_more_leaves_far_more_than_noise() -> None:
-    """It leaves at least as much: beside a set at the noise it cannot count."""
-    data = steps()
-    drag, spring, rubs = QuadraticDrag(1.0), CubicSpring(1e6), CoulombFriction(0.1)
-    models = {BASE: 9e7, BASE + rubs: 9e6, BASE + drag + rubs: 840.0, BASE + spring + rubs: 8e6}
-    for noise_only, asked_for in ((True, {"quadratic_drag"}), (False, {"quadratic_drag", "cubic_spring"})):
-        search = Search(data, lambda one, noise_only=noise_only: noise_only, lambda stage, part, cause: None)
-        search.sets = {one.causes: one for model, chi in models.items() if (one := fitted(data, model, chi))}
-        proposed: list[frozenset[str]] = []
-        search._propose = lambda causes, proposed=proposed: proposed.append(causes) or []  # type: ignore[method-assign]
-        search._fit([frozenset({name}) for name in ("quadratic_drag", "cubic_spring")], 0.0, 1.0)
-        assert proposed == [frozenset({name}) for name in ("quadratic_drag", "cubic_spring") if name in asked_for]
-
-
-def test_the_most_promising_sets_are_fitted_first_and_others_only_if_these_leave_more_than_noise(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """What the others promise is then out of reach, and so are the sets that lack one of their causes."""
-    data, rubs = steps(), CoulombFriction(0.1)
-    laws = (QuadraticDrag(1.0), CubicSpring(1e6), EndStop(1e-3, 1e4), Backlash(1e-3), StiffnessDrift(1.0))
-    pairs = [fitted(data, BASE + law + rubs, 9e6) for law in laws]
-    group = [[StartingPoint(8e6 - 1e6 * i, one, beside=9e6)] for i, one in enumerate(pairs)]
-    begun: list[frozenset[str]] = []
-    ends: list[float] = []
-
-    def start(experiment: Experiment, starts: Sequence[StartingPoint], reach: float) -> list[Hypothesis]:
-        begun.append(starts[0].fitted.causes)
-        return [starts[0].fitted]
-
-    def end(experiment: Experiment, tries: Sequence[Hypothesis], least: float) -> Hypothesis:
-        return fitted(data, tries[0].model, ends[-1] if tries[0] is pairs[-1] else 9e6)
-
-    monkeypatch.setattr("msd_ident.selection.structure_search.begin", start)
-    monkeypatch.setattr("msd_ident.selection.structure_search.finish", end)
-    for left, count in ((840.0, 3), (8e6, 5)):
-        ends.append(left)
-        search = Search(data, lambda one: one.chi < 1e3, lambda stage, part, cause: None)
-        monkeypatch.setattr(search, "_converged", lambda one, least, search=search: search._keep(one) or one)
-        search.sets = {one.causes: one for one in (fitted(data, BASE, 9e7), fitted(data, BASE + rubs, 9e6))}
-        begun.clear()
-        search._fit_group(group, (0.0, 1.0))
-        assert len(begun) == count and set(begun[:3]) == {one.causes for one in pairs[2:]}
-        assert search.beyond == ({one.causes for one in pairs[:2]} if count == 3 else set())
-        assert (search._within_reach([frozenset({"quadratic_drag"})]) == []) == (count == 3)
-
-
-def test_the_leading_set_is_asked_again_only_after_a_fit(monkeypatch: pytest.MonkeyPatch) -> None:
-    data = steps()
-    search = Search(data, lambda one: False, lambda stage, part, cause: None)
-    search.sets = {one.causes: one for one in (fitted(data, BASE, 9e5), fitted(data, BASE + Backlash(1e-3), 9e3))}
-    before = search._leader()
-    assert before is search.sets[frozenset({"backlash"})]
-    better = fitted(data, BASE + Backlash(1e-3), 5e3)
-    with monkeypatch.context() as patched:
-        patched.setattr("msd_ident.selection.structure_search.leading", lambda sets, scale: sets[frozenset()])
-        assert search._leader() is before
-        search._keep(better)
-        assert search._leader() is search.sets[frozenset()]
 
 
 @pytest.mark.parametrize("noise_only", [True, False])
