@@ -37,13 +37,21 @@ def equal_motion(
     forms = {
         effect.name: cause
         for effect in fitted.model.effects
-        for cause in [one for one in effect.may_be(top, exact) if one not in held][:1]
+        for cause in [one for one in effect.may_be(top, exact and _alone(effect, fitted)) if one not in held][:1]
     }
     return forms | {
         effect.name: other.name
         for effect, other in others
         if other is not None and _least_change(fitted, effect, other, sets, experiment) < most
     }
+
+
+def _alone(effect: Effect, fitted: Hypothesis) -> bool:
+    """Whether no other law of a set is a curve over the speed as an effect is: two such curves come near any third one,
+    so a set that leaves only noise with both does not show that either has its form.
+    """
+    others = (one for one in fitted.model.effects if one is not effect)
+    return not (effect.is_curve_over_speed() and any(one.is_curve_over_speed() for one in others))
 
 
 def _least_change(

@@ -218,12 +218,10 @@ class Ranking:
         """
         found = 0.0
         for fitted, p in zip(self.sets, self.probability, strict=True):
-            own = [law for law in fitted.causes if by_name(law).cause() in asked]
-            found += p * max((self._greatest(fitted.causes, law, asked) for law in own), default=0.0)
-            if not own:
-                twins = self.alike.get(fitted.causes, {})
-                here = [law for law, twin in twins.items() if by_name(twin).cause() in asked]
-                found += p * max((self._of_twin(fitted.causes, law) for law in here), default=0.0)
+            own = [self._greatest(fitted.causes, law, asked) for law in fitted.causes if by_name(law).cause() in asked]
+            twins = self.alike.get(fitted.causes, {}).items()
+            here = [self._of_twin(fitted.causes, law) for law, twin in twins if by_name(twin).cause() in asked]
+            found += p * max((*own, *here), default=0.0)
         return found
 
     def _of_twin(self, causes: Causes, law: str) -> float:

@@ -7,8 +7,16 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from scipy.signal import lsim
+from setrigs import BASE, fitted, steps
 
 from msd_ident.data.record import Record, from_samples
+from msd_ident.model import Effect
+from msd_ident.model.effects.coulomb_friction import CoulombFriction
+from msd_ident.model.effects.cubic_spring import CubicSpring
+from msd_ident.model.effects.fading_damping import FadingDamping
+from msd_ident.model.effects.typical import speed
+from msd_ident.selection.equal_motion import equal_motion
+from msd_ident.selection.evidence import NoiseScale
 from msd_ident.workflow import pipeline
 from msd_sim import api
 
@@ -57,3 +65,23 @@ def test_inertia_tells_friction_from_a_dead_zone(
     asking_about("coulomb_friction", "force_dead_zone", "quadratic_drag")
     (cause,) = pipeline.diagnose([slider(1.0)], pipeline.Options(model="no_spring")).causes
     assert (cause.name, cause.tied_with) == (name, ()) and cause.probability > 0.9
+
+
+@pytest.mark.parametrize(
+    ("beside", "other"),
+    [(None, None), (CoulombFriction(0.1), "stribeck_friction"), (CubicSpring(1e6), None)],
+    ids=["alone", "beside friction", "beside a spring"],
+)
+def test_a_damping_that_has_faded_may_be_friction_where_another_curve_over_the_speed_is_beside_it(
+    beside: Effect | None, other: str | None
+) -> None:
+    """Two curves over the speed come near any third, so what they leave does not show the form of either.
+
+    Friction that creeps in another way was fading damping with 0.997 beside Coulomb friction.
+    """
+    data = steps()
+    top = max(speed(record) for record in data.records)
+    model = BASE + FadingDamping(3.0, 0.2 * top, 1.3)
+    one = fitted(data, model if beside is None else model + beside, data.evidence)
+    found = equal_motion(one, {one.causes: one}, data, NoiseScale(noise=data.evidence))
+    assert found.get("fading_damping") == other

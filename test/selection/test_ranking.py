@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 import pytest
@@ -18,6 +19,7 @@ from msd_ident.model.effects.cogging_harmonic import CoggingHarmonic
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.cubic_spring import CubicSpring
 from msd_ident.model.effects.eccentricity_harmonic import EccentricityHarmonic
+from msd_ident.model.effects.fading_damping import FadingDamping
 from msd_ident.model.effects.force_dead_zone import ForceDeadZone
 from msd_ident.model.effects.force_gain_nonlinearity import ForceGainNonlinearity
 from msd_ident.model.effects.hysteresis import Hysteresis
@@ -353,6 +355,26 @@ def test_of_two_laws_that_give_the_same_motion_each_is_as_likely_as_the_other(ex
     one = replace(ranked({name: sets[name] for name in ("nothing", "play")}), alike={play: twins[play]})
     assert one.of_cause("backlash") == pytest.approx(0.5) == one.of_cause("cogging")
     assert ties.tied(one, "backlash") == ("cogging",)
+
+
+def test_that_one_of_more_causes_acts_is_no_less_likely(experiment: Experiment) -> None:
+    """A set counts by its law of one of them, or by a law that gives the same motion, whichever is surer."""
+    drag, peak = FadingDamping(3.0, 0.2, 1.3), StribeckFriction(0.3, 0.4, 0.01)
+    both = frozenset({"fading_damping", "stribeck_friction"})
+    sets = {
+        "nothing": fitted(experiment, BASE, 1e6),
+        "drag": fitted(experiment, BASE + drag, 4e5),
+        "peak": fitted(experiment, BASE + peak, 900.0),
+        "both": fitted(experiment, BASE + drag + peak, 840.0),
+    }
+    told = replace(ranked(sets), alike={both: {"fading_damping": "coulomb_friction"}})
+    assert "stribeck_friction" in told.further[both] or "fading_damping" in told.further[both]
+    names = ("coulomb_friction", "stribeck_friction", "quadratic_drag", "cogging")
+    groups = [group for size in range(1, 5) for group in combinations(names, size)]
+    for fewer in groups:
+        for more in groups:
+            if set(fewer) <= set(more):
+                assert told.of_any(fewer) <= told.of_any(more) + 1e-12
 
 
 @pytest.mark.parametrize(("rubs", "sure"), [(CoulombFriction(0.3), True), (SmoothFrictionTurn(0.3, 0.01, 2.0), False)])
