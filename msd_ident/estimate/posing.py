@@ -41,7 +41,7 @@ def build(
     typical = typical or magnitudes(group, model["mass"])
     own = {"initial velocity": typical.length / typical.time}
     sizes = [typical.of(model.parameters[i].unit) for i in free]
-    lower, upper = bounds(model, free, len(nuisances), typical, group)
+    lower, upper = bounds(model, free, nuisances, typical, group)
     return Problem(
         model=model,
         records=group,
