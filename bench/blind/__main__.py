@@ -2,6 +2,7 @@
 
 python -m bench.blind [--rounds 8] [--seed 1000] [--jobs 2] [--json FILE] [--only WORD,…] [--every N] [--docs DIR]
 python -m bench.blind --variants [--rounds 2] …: foreign laws that the library does not have
+python -m bench.blind --variant-pairs [--rounds 4] …: two such laws at once, ten rigs a round
 python -m bench.blind --forms [--rounds 2] …: other forms of known causes, on the simulated rig of this project
 python -m bench.blind --mujoco [--rounds 20] …: rigs that MuJoCo simulates, ten a round
 python -m bench.blind --several [--rounds 4] …: rigs with three to five faults at once, ten a round
@@ -29,6 +30,7 @@ from bench.blind.picture import draw  # noqa: E402
 #: Plans besides the whole study.
 _KINDS = {
     "variants": "only laws that the library does not have",
+    "variant_pairs": "only rigs with two such laws at once, ten a round",
     "forms": "only other forms of known causes, on the simulated rig of this project",
     "mujoco": "only rigs that MuJoCo simulates, ten a round",
     "several": "only rigs with three to five faults at once, ten a round",
@@ -80,6 +82,21 @@ special cases of `eccentricity_harmonic` and `modulated_disturbance`. The diagno
 - *m and k within 2 %*: both relative errors are at most 2 %; in a free decay, the error of k/m. k is the slope at
   rest: where the diagnosis states `stiffness_at_rest`, and no constant force is hidden, that is compared.
 - *Covered*: m and k are within 2 % of their stated range: the 95 % interval, and the `spread` if there is one.
+
+{tables}
+""",
+    ),
+    "variant_pairs": (
+        "blind-variant-pairs.md",
+        """# Two laws that the library does not have
+
+Made by `make blind ARGS="--variant-pairs"` (`python -m bench.blind --variant-pairs --docs docs`; the seeds are named
+below). Each rig has two laws of `msd_sim/foreign` at once, of different kinds: a friction and a spring, a drive and a
+sensor. What the law of one leaves unexplained can look like a further cause, and the other is one. Half of the rigs are
+released, half are pushed in steps. The diagnosis gets only the path of a file.
+
+- *Visible*, *family*, *false*, *m and k*: as in the study of [one such law](blind-variants.md). What is said of
+  families counts visible rigs.
 
 {tables}
 """,
@@ -155,11 +172,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         default="",
         metavar="WORD,…",
         help="cases with all of these: an experiment (steps, step, release, sweep, ramp), a rate in Hz, a noise "
-        "(white, coloured, speed), a kind (clean, single, beside, pair, several, odd, variant), a hidden effect",
+        "(white, coloured, speed), a kind (clean, single, beside, pair, several, odd, variant, variant_pair), a hidden "
+        "effect",
     )
     kinds = parser.add_mutually_exclusive_group()
     for name, what in _KINDS.items():
-        kinds.add_argument(f"--{name}", action="store_const", dest="plan", const=name, default="study", help=what)
+        kinds.add_argument(
+            f"--{name.replace('_', '-')}", action="store_const", dest="plan", const=name, default="study", help=what
+        )
     parser.add_argument("--every", type=int, default=1, help="run only every Nth case", metavar="N")
     parser.add_argument("--docs", type=Path, help="directory that gets the whole study's page and picture")
     parser.add_argument("--score", type=Path, nargs="+", help="only score outcomes written with --json before")
@@ -195,6 +215,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 _TOLD = {
     "study": told.report,
     "variants": told.variants,
+    "variant_pairs": told.variant_pairs,
     "forms": told.variants,
     "mujoco": told.second_author,
     "several": told.several_faults,
@@ -211,6 +232,8 @@ def _kind(outcomes: Sequence[Outcome]) -> str:
 def _of_one(outcome: Outcome) -> str:
     if outcome.case.author == "own":
         return "forms" if outcome.case.kind == "variant" else "study"
+    if outcome.case.kind == "variant_pair":
+        return "variant_pairs"
     return outcome.case.author if outcome.case.author in ("mujoco", "several") else "variants"
 
 

@@ -37,6 +37,8 @@ PLANT = ("mass", "damping", "stiffness")
 REFUSED, CRASHED = "refused", "crashed"
 #: What is hidden where the rig's author draws several faults.
 SEVERAL = "several"
+#: Kinds of cases with laws that the library does not have.
+UNKNOWN = ("odd", "variant", "variant_pair")
 
 
 @dataclass(frozen=True)
@@ -65,7 +67,9 @@ class Case:
 
     @property
     def kind(self) -> str:
-        """``clean``, ``single``, ``beside`` (Coulomb friction), ``pair``, ``several``, ``odd`` or ``variant``."""
+        """``clean``, ``single``, ``beside`` (Coulomb friction), ``pair``, ``several``, ``odd``, ``variant`` or
+        ``variant_pair``.
+        """
         if self.hidden is None:
             return "clean"
         if self.author == "several":
@@ -75,7 +79,7 @@ class Case:
         if self.hidden in lottery.ODDITIES:
             return "odd"
         if self.hidden in lottery.VARIANTS or self.hidden in foreign.LAWS:
-            return "variant"
+            return "variant" if self.other is None else "variant_pair"
         if self.other is not None:
             return "pair"
         return "beside" if self.beside and not ALL[self.hidden].dry_friction else "single"
@@ -169,7 +173,7 @@ def sealed(case: Case) -> Sealed:
     if case.author == "several":
         return rigs.several(case.seed, case.experiment)
     if case.author == "foreign":
-        return rigs.foreign_rig(case.seed, str(case.hidden), case.experiment)
+        return rigs.foreign_rig(case.seed, str(case.hidden), case.experiment, case.other)
     draw = lottery.draw(
         case.seed, case.hidden, case.beside, case.experiment, case.rate,
         other=case.other, ranges=case.ranges, noise=case.noise,
@@ -206,7 +210,7 @@ def _undiagnosed(case: Case, rig: Sealed, verdict: str, seconds: float) -> Outco
     return Outcome(
         case=case,
         truth=tuple(sorted(rig.truth)),
-        odd=case.kind in ("odd", "variant"),
+        odd=case.kind in UNKNOWN,
         strength=rig.strength,
         verdict=verdict,
         named=(),
@@ -230,7 +234,7 @@ def _opened(
     return Outcome(
         case=case,
         truth=tuple(sorted(rig.truth)),
-        odd=case.kind in ("odd", "variant"),
+        odd=case.kind in UNKNOWN,
         strength=rig.strength,
         verdict=diagnosis.verdict,
         named=tuple(

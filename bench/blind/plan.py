@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import count
+from itertools import count, cycle
 
 import numpy as np
 
 from bench.blind.cases import SEVERAL, Case
-from bench.blind.truth import DRY
+from bench.blind.truth import DRY, FAMILIES, UNNAMED
 from bench.mujoco_rigs.rig import EXPERIMENTS, LEVELS, OF_DRIVE
 from bench.several_faults import rig as several_rig
 from msd_sim import foreign, lottery
@@ -43,6 +43,27 @@ def variants(rounds: int, seed: int) -> list[Case]:
         for turn in range(rounds)
         for law in foreign.LAWS.values()
     ]
+
+
+def variant_pairs(rounds: int, seed: int) -> list[Case]:
+    """Two foreign laws of different modules and families at once: ten rigs a round, half of them released."""
+    return [
+        Case(number, *_two_foreign(experiment, np.random.default_rng([number, 2])), author="foreign")
+        for number, experiment in zip(range(seed, seed + 10 * rounds), cycle(("steps", "release")), strict=False)
+    ]
+
+
+def _two_foreign(experiment: str, rng: np.random.Generator) -> tuple[str, bool, str, float, str]:
+    """A case's two laws by lot, of those that the experiment shows and that have a cause which must be named."""
+    shown = [
+        (table, law.name)
+        for table in foreign.TABLES
+        for law in table.LAWS
+        if experiment in law.experiments and law.name not in UNNAMED
+    ]
+    table, one = shown[int(rng.integers(len(shown)))]
+    others = [name for other, name in shown if other is not table and FAMILIES[name].isdisjoint(FAMILIES[one])]
+    return one, False, experiment, 1000.0, others[int(rng.integers(len(others)))]
 
 
 def forms(rounds: int, seed: int) -> list[Case]:

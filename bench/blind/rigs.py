@@ -80,11 +80,12 @@ def _leads(draw: lottery.Draw) -> bool:
     return -0.5 / float(draw.spec["rate"]) <= offset < 0.0
 
 
-def foreign_rig(seed: int, name: str, experiment: str) -> Sealed:
-    """Of laws that the library does not have."""
-    rig = foreign_simulate.draw(seed, foreign.LAWS[name], experiment)
+def foreign_rig(seed: int, name: str, experiment: str, other: str | None = None) -> Sealed:
+    """Of one law that the library does not have, or two."""
+    law = foreign.LAWS[name] if other is None else foreign.both(foreign.LAWS[name], foreign.LAWS[other])
+    rig = foreign_simulate.draw(seed, law, experiment)
     return Sealed(
-        truth=frozenset({name}),
+        truth=frozenset({name} if other is None else {name, other}),
         plant={"mass": rig.mass, "damping": rig.damping, "stiffness": rig.stiffness},
         strength=dict(rig.values),
         experiment=experiment,

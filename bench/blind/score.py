@@ -264,12 +264,18 @@ def smallest(outcomes: Sequence[Outcome]) -> dict[str, float]:
 
 
 def family_named(outcome: Outcome) -> bool:
-    """A cause of the family of the hidden law is named, or tied with one that is, or the library has none. Without a
+    """A cause of the family of each hidden law is named, or tied with one that is, or the library has none. Without a
     diagnosis nothing is right.
     """
-    hidden = str(outcome.case.hidden)
+    hidden = (outcome.case.hidden, outcome.case.other)
+    return outcome.diagnosed and families_named(outcome) == sum(name is not None for name in hidden)
+
+
+def families_named(outcome: Outcome) -> int:
+    """How many of the hidden laws have a cause of their family named, or tied with a named one, or need none."""
     said = outcome.names | {one for _, _, ties, _ in outcome.named for one in ties}
-    return outcome.diagnosed and (hidden in UNNAMED or bool(said & FAMILIES[hidden]))
+    laws = [name for name in (outcome.case.hidden, outcome.case.other) if name is not None]
+    return sum(name in UNNAMED or bool(said & FAMILIES[name]) for name in laws)
 
 
 def explained_falsely(outcome: Outcome) -> bool:
@@ -294,7 +300,7 @@ def variants(outcomes: Sequence[Outcome]) -> dict[str, tuple[int, int, int, int,
 def failed(outcome: Outcome) -> list[str]:
     """What is wrong with an outcome, in words; nothing where it is right."""
     wrong = []
-    if outcome.case.kind == "variant":
+    if outcome.case.kind in ("variant", "variant_pair"):
         if outcome.base_floors >= VISIBLE and not family_named(outcome):
             wrong.append("family not named")
     elif (outcome.without_floors >= VISIBLE or outcome.case.hidden is None) and not outcome.exact:
@@ -308,6 +314,24 @@ def failed(outcome: Outcome) -> list[str]:
         off = f"off by {100.0 * outcome.plant_error:.1f} %{stated}" if outcome.diagnosed else "not found"
         wrong.append(f"m or k {off}")
     return wrong
+
+
+def variant_pairs(outcomes: Sequence[Outcome]) -> list[Figure]:
+    """Figures of rigs with two laws that the library does not have."""
+    seen = [o for o in outcomes if o.base_floors >= VISIBLE]
+    laws = sum(map(families_named, seen)), 2 * len(seen)
+    return [
+        Figure("both families named", *_share([family_named(o) for o in seen]), "", ""),
+        Figure("hidden laws whose family is named", *laws, "", ""),
+        Figure("a false cause named", *_share([bool(o.false) for o in outcomes]), "", ""),
+        Figure(f"a false cause with p > {SURE:g}", *_share([surely_false(o) for o in outcomes]), "", "0"),
+        Figure("verdict `explained` with a false cause", *_share([explained_falsely(o) for o in outcomes]), "", "0"),
+        Figure(f"m and k within {100.0 * NEAR:g} %", *_share([o.plant_error <= NEAR for o in outcomes]), "", ""),
+        Figure(
+            f"m and k within {100.0 * NEAR:g} % of their stated range",
+            *_share([o.plant_stated <= NEAR for o in outcomes]), "", "",
+        ),
+    ]  # fmt: skip
 
 
 def second_author(outcomes: Sequence[Outcome]) -> list[Figure]:

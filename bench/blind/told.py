@@ -45,11 +45,20 @@ def variants(outcomes: Sequence[Outcome]) -> list[str]:
     return [*lines, "| all | " + " | ".join(map(str, total)) + " |", "", *failures(outcomes)] if found else []
 
 
+def variant_pairs(outcomes: Sequence[Outcome]) -> list[str]:
+    """The table of rigs with two laws that the library does not have, then every case with an error."""
+    return [*_shares(score.variant_pairs(outcomes)), "", *failures(outcomes)]
+
+
+def _shares(figures: Sequence[score.Figure]) -> list[str]:
+    """A table of shares."""
+    cells = [(f.what, f"{f.percent:.1f} %", f"{f.good} of {f.total}", f.must, f.aim) for f in figures]
+    return [_HEAD, "|---|---|---|---|---|", *(f"| {' | '.join(row)} |" for row in cells)]
+
+
 def second_author(outcomes: Sequence[Outcome]) -> list[str]:
     """The tables of MuJoCo's rigs: figures, kinds, failures."""
-    lines = [_HEAD, "|---|---|---|---|---|"]
-    for item in score.second_author(outcomes):
-        lines.append(f"| {item.what} | {item.percent:.1f} % | {item.good} of {item.total} | {item.must} | {item.aim} |")
+    lines = _shares(score.second_author(outcomes))
     lines += [
         "",
         f"| hidden faults | rigs | visible, or none hidden | of these exact | false cause with p > {score.SURE:g} | "
@@ -68,9 +77,7 @@ def second_author(outcomes: Sequence[Outcome]) -> list[str]:
 
 def several_faults(outcomes: Sequence[Outcome]) -> list[str]:
     """The tables of rigs with several faults at once: figures, each fault, each rig."""
-    lines = [_HEAD, "|---|---|---|---|---|"]
-    for item in score.several_faults(outcomes):
-        lines.append(f"| {item.what} | {item.percent:.1f} % | {item.good} of {item.total} | {item.must} | {item.aim} |")
+    lines = _shares(score.several_faults(outcomes))
     lines += [
         "",
         f"| fault | rigs | plain ({score.PLAIN:g} noise floors) | of these named | named |",
@@ -103,9 +110,7 @@ def failures(outcomes: Sequence[Outcome]) -> list[str]:
 
 
 def _figures(outcomes: Sequence[Outcome]) -> list[str]:
-    lines = [_HEAD, "|---|---|---|---|---|"]
-    for item in score.figures(outcomes):
-        lines.append(f"| {item.what} | {item.percent:.1f} % | {item.good} of {item.total} | {item.must} | {item.aim} |")
+    lines = _shares(score.figures(outcomes))
     main = score.visible(score.main_experiment(outcomes))
     seconds = [o.seconds for o in score.main_experiment(outcomes)] or [float("nan")]
     processor = [o.processor_seconds for o in score.main_experiment(outcomes)] or [float("nan")]

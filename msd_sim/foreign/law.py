@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
+from msd_sim.errors import RigError
 from msd_sim.strengths import Sizes
 
 FloatArray = npt.NDArray[np.float64]
@@ -53,3 +54,57 @@ def nothing(sizes: Sizes) -> dict[str, float]:
     """No values."""
     del sizes
     return {}
+
+
+def both(one: ForeignLaw, two: ForeignLaw) -> ForeignLaw:
+    """Two laws on one rig: their forces add up, a command goes through the first drive and then through the second.
+
+    Names of values begin with that of their law and a full stop.
+
+    Raises:
+        RigError: no experiment shows both, or both have a sensor or a second mass.
+    """
+    experiments = tuple(name for name in one.experiments if name in two.experiments)
+    sensors = [law for law in (one, two) if law.reading is not None or law.encoder is not None]
+    if not experiments or len(sensors) > 1 or (one.hangs and two.hangs):
+        raise RigError(f"{one.name} and {two.name} cannot act on one rig")
+    sensor = sensors[0] if sensors else ForeignLaw("", "", nothing)
+    ahead, behind = (two, one) if two.hangs else (one, two)  # the place of a second mass is the first inner state
+    parts = (ahead, slice(ahead.states)), (behind, slice(ahead.states, None))
+
+    def force(p: Values, t: float, x: float, v: float, z: Sequence[float], u: float) -> float:
+        return sum(law.force(_own(p, law), t, x, v, z[own], u) for law, own in parts if law.force is not None)
+
+    def rates(p: Values, t: float, x: float, v: float, z: Sequence[float], u: float) -> tuple[float, ...]:
+        moved = (law.rates(_own(p, law), t, x, v, z[own], u) for law, own in parts if law.rates is not None)
+        return tuple(rate for inner in moved for rate in inner)
+
+    def commands(p: Values, made: FloatArray) -> FloatArray:
+        for law in (one, two):
+            made = law.commands(_own(p, law), made) if law.commands is not None else made
+        return made
+
+    def reading(p: Values, time: FloatArray, x: FloatArray, v: FloatArray, rng: np.random.Generator) -> FloatArray:
+        return sensor.reading(_own(p, sensor), time, x, v, rng) if sensor.reading is not None else x
+
+    return ForeignLaw(
+        name=f"{one.name}+{two.name}",
+        law=f"{one.law}; {two.law}",
+        strengths=lambda sizes: {
+            f"{law.name}.{name}": value for law in (one, two) for name, value in law.strengths(sizes).items()
+        },
+        force=force,
+        rates=rates,
+        states=one.states + two.states,
+        hangs=ahead.hangs,
+        commands=commands,
+        reading=reading,
+        encoder=sensor.encoder,
+        experiments=experiments,
+    )
+
+
+def _own(values: Values, law: ForeignLaw) -> Values:
+    """Values of one law of two."""
+    head = f"{law.name}."
+    return {name[len(head) :]: value for name, value in values.items() if name.startswith(head)}
