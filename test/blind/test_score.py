@@ -13,7 +13,7 @@ import pytest
 from bench.blind import plan, score, told, truth
 from bench.blind.__main__ import chosen, main
 from bench.blind.cases import Case, Outcome, run, sealed
-from bench.blind.truth import FAMILIES
+from bench.blind.truth import FAMILIES, UNNAMED
 from bench.mujoco_rigs import simulate
 from bench.mujoco_rigs.rig import EXPERIMENTS, FAULTS
 from msd_ident.errors import DataError
@@ -228,6 +228,31 @@ def test_all_variants_are_planned_where_they_can_be_seen() -> None:
     assert len({case.seed for case in cases}) == len(cases) == 2 * len(foreign.LAWS)
     for case in cases:
         assert sealed(case).truth == {case.hidden}
+
+
+def test_pairs_of_variants_are_of_two_kinds_and_counted_law_by_law(tmp_path: Path) -> None:
+    cases = plan.variant_pairs(2, 100)
+    assert len({case.seed for case in cases}) == len(cases) == 20 and {case.kind for case in cases} == {"variant_pair"}
+    assert [case.experiment for case in cases] == ["steps", "release"] * 10
+    for case in cases:
+        one, two = str(case.hidden), str(case.other)
+        assert FAMILIES[one].isdisjoint(FAMILIES[two]) and not {one, two} & UNNAMED
+        assert sealed(case).truth == {one, two}
+    case = Case(7, "lugre", False, "release", other="uneven_stops", author="foreign")
+    fields = {"case": case, "truth": ("lugre", "uneven_stops"), "odd": True, "base_floors": 9.0, "plant_error": 0.01}
+    both = outcome((("hysteresis", 0.9), ("end_stop", 0.8)), **fields)
+    half = outcome((("coulomb_friction", 0.99), ("cogging", 0.95)), **{**fields, "plant_error": 0.5})
+    unseen = outcome((), **{**fields, "base_floors": 1.0})
+    found = {one.what: (one.good, one.total) for one in score.variant_pairs([both, half, unseen])}
+    assert found["both families named"] == (1, 2) and found["hidden laws whose family is named"] == (3, 4)
+    assert found["a false cause named"] == found["a false cause with p > 0.9"] == (1, 3)
+    assert found["m and k within 2 %"] == (2, 3)
+    assert not score.failed(both) and "family not named" in score.failed(half) and not score.failed(unseen)
+    path = tmp_path / "pairs.json"
+    path.write_text("".join(json.dumps(one.to_json_dict()) + "\n" for one in (both, half, unseen)))
+    assert main(["--score", str(path), "--docs", str(tmp_path)]) == 0
+    page = (tmp_path / "blind-variant-pairs.md").read_text()
+    assert "| hidden laws whose family is named | 75.0 % | 3 of 4 |" in page and "lugre + uneven_stops" in page
 
 
 def test_all_forms_are_planned_where_they_can_be_seen() -> None:

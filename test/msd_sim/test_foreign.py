@@ -13,6 +13,7 @@ from msd_sim.encoder import Encoder
 from msd_sim.errors import RigError
 from msd_sim.foreign import simulate
 from msd_sim.foreign.simulate import ForeignRig, draw
+from msd_sim.strengths import Sizes
 
 #: Laws whose force does not turn round with the motion, or depends on time.
 LOPSIDED = {
@@ -38,6 +39,10 @@ def at(name: str, x: float = 0.0, v: float = 0.0, t: float = 0.0, u: float = 0.0
     law = foreign.LAWS[name]
     assert law.force is not None
     return law.force(values, t, x, v, (0.0,) * law.states, u)
+
+
+def sizes() -> Sizes:
+    return lottery.begun(np.random.default_rng([1, 31337]), "steps", 1000.0)[0]
 
 
 @pytest.mark.parametrize("law", ALL, ids=lambda law: law.name)
@@ -159,3 +164,47 @@ def test_the_integrator_is_exact_beside_the_noise(name: str, monkeypatch: pytest
 def test_foreign_laws_have_names_of_their_own() -> None:
     assert len(foreign.LAWS) == sum(len(table.LAWS) for table in foreign.TABLES) >= 24
     assert not set(foreign.LAWS) & {*lottery.NAMES, *lottery.ODDITIES, *lottery.VARIANTS}
+
+
+def test_two_laws_on_one_rig_act_as_if_both_were_written_out() -> None:
+    """The force is the sum of both, each with its own values and inner states; the sensor reads what moves."""
+    slips, waves, wheel = (foreign.LAWS[name] for name in ("maxwell_slip", "sawtooth_cogging", "elliptic_wheel"))
+    rig = draw(7, foreign.both(slips, waves))
+    own = [{name: rig.values[f"{law.name}.{name}"] for name in law.strengths(sizes())} for law in (slips, waves)]
+    assert rig.law is not None and rig.law.force is not None and rig.law.rates is not None
+    assert slips.force is not None and slips.rates is not None and waves.force is not None
+    z = np.linspace(-1e-3, 1e-3, slips.states).tolist()
+    state = (0.3, 1e-3, -0.2, z, 2.0)
+    assert rig.law.force(rig.values, *state) == pytest.approx(slips.force(own[0], *state) + waves.force(own[1], *state))
+    assert rig.law.rates(rig.values, *state) == pytest.approx(slips.rates(own[0], *state))
+    seen = draw(7, foreign.both(slips, wheel))
+    alone = replace(seen, law=slips, values={k.split(".")[1]: v for k, v in seen.values.items() if "slip" in k})
+    np.testing.assert_array_equal(simulate.simulate(seen).position, simulate.simulate(alone).position)
+    assert np.abs(simulate.simulate(seen).reading - simulate.simulate(alone).reading).max() > 0.0
+
+
+def test_the_place_of_a_second_mass_comes_first_and_commands_pass_both_drives() -> None:
+    slips, hung = foreign.LAWS["maxwell_slip"], foreign.LAWS["sloshing_mass"]
+    for pair in (foreign.both(slips, hung), foreign.both(hung, slips)):
+        assert pair.hangs and pair.states == slips.states + hung.states
+        rig = draw(3, pair, "release")
+        begun = (0.0, rig.start, 0.0, [rig.start, *[0.0] * (pair.states - 1)], 0.0)
+        assert pair.force is not None and rig.start > 0.0
+        assert pair.force(rig.values, *begun) == 0.0, "the second mass begins where the cart does"
+        assert np.isfinite(simulate.simulate(rig).reading).all()
+    sharp, dead = foreign.LAWS["sharp_saturation"], foreign.LAWS["remembering_drive"]
+    rig = draw(3, foreign.both(dead, sharp))
+    assert rig.law is not None and rig.law.commands is not None and sharp.commands and dead.commands
+    values = [{k.split(".")[1]: v for k, v in rig.values.items() if k.startswith(law.name)} for law in (dead, sharp)]
+    wanted = sharp.commands(values[1], dead.commands(values[0], rig.command))
+    np.testing.assert_array_equal(rig.law.commands(rig.values, rig.command), wanted)
+
+
+@pytest.mark.parametrize(
+    ("one", "two"),
+    [("walking_zero", "missed_counts"), ("sloshing_mass", "rubbing_second_mass"), ("smooth_force", "lugre")],
+    ids=["two sensors", "two second masses", "no common experiment"],
+)
+def test_laws_that_cannot_act_together_are_refused(one: str, two: str) -> None:
+    with pytest.raises(RigError, match=f"{one} and {two} cannot act on one rig"):
+        foreign.both(foreign.LAWS[one], foreign.LAWS[two])
