@@ -268,22 +268,31 @@ def _equation(experiment: Experiment, base: Hypothesis, half: int, effects: Sequ
     """The rows of all records; ``effects`` that do not follow from the motion are left out."""
     base_values = [base.model[name] for name in PLANT]
     known = [i for i, name in enumerate(PLANT) if name in experiment.fixed]
+    moved = [
+        _moved(record, initial.zero, half, base)
+        for record, initial in zip(experiment.records, base.initial, strict=True)
+    ]
+    effects = [one for one in effects if all(motion.can_tell(type(one)) for motion, _ in moved)]
+    parts = [part for one in effects for part in parted(one)]
     plants, forces, columns, constants = [], [], [], []
-    for record, initial in zip(experiment.records, base.initial, strict=True):
-        grid = record.kept(("grid", initial.zero), partial(uniform, record, initial.zero))
-        means = record.kept(("means", initial.zero, half), partial(Means, grid, half))
-        motion = _motion(record, grid, means, base.model.stiffness)
-        effects = [one for one in effects if motion.can_tell(type(one))]
-        plant = means.plant_columns(grid.position)
+    for motion, means in moved:
+        plant = means.plant_columns(motion.position)
         plants.append(np.delete(plant, known, axis=1))
         forces.append(means.force - plant[:, known] @ [base_values[i] for i in known])
-        parts = [part for one in effects for part in parted(one)]
-        found = np.column_stack([_column(part, motion, means, base.model) for part in parts])
+        found = np.array([_column(part, motion, means, base.model) for part in parts])
+        found = found.reshape(len(parts), means.force.size).T  # also of no laws
         columns.append(np.where(np.all(np.isfinite(found), axis=0), found, 0.0))  # what runs away is no column
         constants.append(means.constant)
     plant = np.column_stack([np.vstack(plants), _apart(constants)])
     fixed = frozenset(PLANT[i] for i in known)
     return Equation(base, fixed, plant, np.concatenate(forces), _starts(effects), np.vstack(columns))
+
+
+def _moved(record: Record, zero: float, half: int, base: Hypothesis) -> tuple[Motion, Means]:
+    """A record's motion from its zero, and its means over a bump."""
+    grid = record.kept(("grid", zero), partial(uniform, record, zero))
+    means = record.kept(("means", zero, half), partial(Means, grid, half))
+    return _motion(record, grid, means, base.model.stiffness), means
 
 
 def _starts(effects: Sequence[Effect]) -> tuple[Start, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -179,3 +180,12 @@ def test_values_of_known_sets_are_tried_too() -> None:
 def test_a_law_of_several_strengths_has_a_column_for_each(effect: Effect, parts: int) -> None:
     found = parted(effect)
     assert len(found) == parts and all(len(strengths(one)) == 1 for one in found)
+
+
+def test_where_no_law_in_question_has_a_column_there_are_no_sets(asking_about: Callable[..., None]) -> None:
+    """A diagnosis that was asked about hysteresis alone ended in an error of numpy."""
+    record = measured({"quadratic_drag": {"drag_coefficient": 8.0}}, rate=100.0)
+    experiment, base = posed(record)
+    assert likely(replace(experiment, asked=frozenset({"hysteresis"})), base) == []
+    asking_about("hysteresis")
+    assert not {cause.name for cause in pipeline.diagnose([record]).causes} - {"hysteresis"}
