@@ -168,6 +168,7 @@ class MissingForceView:
 
     Attributes:
         beyond: estimate of the missing force, and what the extended model gives for it.
+        unit: of the missing force.
         record: of the estimate.
         index: number of the record on the page.
         detail: points per curve.
@@ -175,6 +176,7 @@ class MissingForceView:
     """
 
     beyond: Beyond
+    unit: str
     record: Record
     index: int
     detail: Detail
@@ -201,7 +203,7 @@ def _missing_over_time(view: MissingForceView) -> Plot:
     if view.beyond.explained:
         other = view.beyond.explained[view.index]
         series.append(line(f"the same, of the {view.model}", "extended", other.time, other.force, detail.curve))
-    panel = Panel(f"missing force [{view.record.force_unit}]", tuple(series))
+    panel = Panel(f"missing force [{view.unit}]", tuple(series))
     return Plot("missing_time", "Missing force against time", "time [s]", (panel,), 300)
 
 
@@ -224,7 +226,7 @@ def _cloud(axis: _Axis, view: MissingForceView) -> Plot:
     if law is not None:
         name = " + ".join(words.effect(cause) for cause in law.causes)
         series.append(Series(f"law: {name}", "law", axis.factor * law.over, law.force))
-    panel = Panel(f"missing force [{view.record.force_unit}]", tuple(series))
+    panel = Panel(f"missing force [{view.unit}]", tuple(series))
     return Plot(f"missing_{signal}", f"Missing force against {signal}", axis.label, (panel,), 340)
 
 

@@ -69,7 +69,7 @@ class Remainders:
         base, extended: of either model; the same where nothing is named.
         yardstick: ``applied force``, or ``spring force`` where no force varies (a free decay).
         yardstick_rms: its root mean square, in ``force_unit``.
-        force_unit: of all forces here.
+        force_unit: of all forces here; of a free decay, which does not tell the mass, for each unit of mass.
         motion_rms: of the motion about its mean, in the position unit.
         noise_percent: the noise floor as a part of the motion's rms [%].
         tolerance_percent: part of the motion [%] that the lab does not care about.
@@ -143,10 +143,16 @@ def remainders(
             seen=not model.adequacy.consistent,
         )
 
-    unit = records[0].force_unit
+    unit = _unit(records, base.fit.quantities["mass"].unit)
     return Remainders(
         left_by(base), left_by(extended), yardstick, size, unit, motion, 100.0 * noise / motion, float(tolerance)
     )
+
+
+def _unit(records: Sequence[Record], mass: str) -> str:
+    """Unit of the missing force; without any force the model has one unit of mass, and only ratios are known."""
+    forced = any(bool(np.any(record.force)) for record in records)
+    return records[0].force_unit if forced else f"{records[0].force_unit} per {mass}"
 
 
 def _yardstick(records: Sequence[Record], motion: float, missing: Sequence[DisturbanceEstimate]) -> tuple[str, float]:

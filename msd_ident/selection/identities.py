@@ -16,7 +16,10 @@ def sentences(model: Model, forced: bool, gain_known: bool) -> tuple[str, ...]:
     said = [effect.same_as_beside(model) for effect in model.effects] + [e.same_as(model) for e in model.effects]
     said = [sentence for sentence in said if sentence]
     if not forced:
-        said.append("No force acts in this data, so mass, damping, stiffness and friction are known only as ratios.")
+        said.append(
+            "No force acts in this data, so mass, damping, stiffness and friction are known only as ratios; the "
+            "numbers are those of a mass of 1 kg, of a joint 1 kg·m². Multiply them by yours."
+        )
     elif not gain_known:
         said.append("The force's gain is unknown, so mass, damping, stiffness and friction share one unknown factor.")
     return tuple(said)

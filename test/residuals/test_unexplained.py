@@ -14,6 +14,7 @@ import pytest
 from msd_ident.data.record import Record
 from msd_ident.diagnosis import Diagnosis, Task, diagnose_records
 from msd_ident.errors import UsageError
+from msd_ident.report.page import article
 from msd_ident.workflow import pipeline
 from msd_sim.api import simulate
 
@@ -88,6 +89,24 @@ def test_a_free_decay_is_compared_with_the_force_of_its_spring() -> None:
     left = diagnose_records(Task((measured(experiment=decay),))).left
     assert left.yardstick == "spring force"
     assert left.yardstick_rms == pytest.approx(600.0 * left.motion_rms, rel=0.01)  # of 1 kg, which the rig has
+
+
+@pytest.mark.parametrize(
+    ("units", "told"), [(("N", "m"), "N per kg"), (("N·m", "rad"), "N·m per kg·m²")], ids=["axis", "joint"]
+)
+def test_the_missing_force_of_a_free_decay_is_told_for_a_unit_of_mass(
+    units: tuple[str, str], told: str, asking_about: Callable[..., None]
+) -> None:
+    """A rig of any mass decays alike: 0.87 N·m were stated of a joint whose moment of inertia nobody knew."""
+    asking_about("cubic_spring")
+    decay = {"name": "release", "position": 0.02, "duration": 3.0}
+    rubs = measured(experiment=decay, mass=3.0, effects={"coulomb_friction": {"coulomb_force": 0.6}})
+    found = diagnose_records(Task((replace(rubs, force_unit=units[0], position_unit=units[1]),)))
+    assert found.left.force_unit == told and found.to_json_dict()["remainder"]["force_unit"] == told
+    assert f"{told} rms" in found.summary
+    assert any("numbers are those of a mass of 1 kg, of a joint 1 kg·m²" in said for said in found.warnings)
+    axes = [plot.panels[0].ylabel for plot in article(found).plots if plot.slug.startswith("missing")]
+    assert axes and set(axes) == {f"missing force [{told}]"}
 
 
 def test_the_tolerance_decides_whether_what_is_left_matters(asking_about: Callable[..., None]) -> None:

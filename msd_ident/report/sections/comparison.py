@@ -70,7 +70,7 @@ def _row(key: str, one: Difference, position_unit: str) -> dict[str, Any]:
 def lacking_force(found: Comparison, detail: Detail) -> Section:
     """The force that would correct the simulation at each instant, as measured and as the differences make it."""
     force = Beyond(found.missing, found.named if found.differences else (), (), len(found.differences))
-    drawn = by_record(force, found.records, detail, "model of the rig")
+    drawn = by_record(force, found.records[0].force_unit, found.records, detail, "model of the rig")
     context = {
         "records": drawn,
         "size": Marked("missing_force_rms", found.missing_size, number(found.missing_size, 3)),

@@ -17,10 +17,10 @@ from msd_ident.report.sections.section import Section
 ByRecord = tuple[tuple[str, tuple[Plot, ...]], ...]
 
 
-def by_record(force: Beyond, records: Sequence[Record], detail: Detail, model: str) -> ByRecord:
-    """The plots of a force that a model lacks, and of what ``model`` makes of it."""
+def by_record(force: Beyond, unit: str, records: Sequence[Record], detail: Detail, model: str) -> ByRecord:
+    """The plots of a force [unit] that a model lacks, and of what ``model`` makes of it."""
     return tuple(
-        (record.name, missing_force_plots(MissingForceView(force, record, index, detail, model)))
+        (record.name, missing_force_plots(MissingForceView(force, unit, record, index, detail, model)))
         for index, record in enumerate(records)
     )
 
@@ -32,7 +32,7 @@ def flat(drawn: ByRecord) -> tuple[Plot, ...]:
 
 def missing_force(found: Diagnosis, detail: Detail) -> Section:
     """The force that the base model lacks, what it goes with, the laws; the ring-down where there is one."""
-    drawn, ring_down = by_record(beyond(found), found.records, detail, "extended model"), None
+    drawn, ring_down = by_record(beyond(found), found.left.force_unit, found.records, detail, "extended model"), None
     if found.ring_down is not None:
         scale = length_scale(float(max(found.ring_down.amplitude)), found.records[0].position_unit)
         ring_down = ring_down_plot(found.ring_down, scale)
