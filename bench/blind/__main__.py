@@ -115,6 +115,8 @@ between the samples, its noise is white and rounded. The diagnosis gets only the
 - *Named*: it, or another law of the same cause, or a cause tied with it where at most three are tied. Dry friction
   whose form (peak, change along the travel) changes the readings by less than a noise level counts as Coulomb friction.
 - *False*: a named cause that is in no set equivalent to the true one ([identities](identities.md)), with every verdict.
+- *m and k*, and the intervals: compared with those of small motions about the place where the springs balance a
+  constant force, for each metre that the sensor reads there ([identities](identities.md)).
 
 {tables}
 """,

@@ -278,7 +278,7 @@ def _plant(rig: Sealed, diagnosis: Diagnosis) -> tuple[tuple[str, float, float, 
 def _found(rig: Sealed, diagnosis: Diagnosis, name: str) -> Quantity:
     """A parameter of the plant. The stiffness of a rig without a constant force is that at rest."""
     quantities = diagnosis.extended.quantities
-    if name == "stiffness" and OFFSET not in rig.truth:
+    if name == "stiffness" and (rig.at_rest or OFFSET not in rig.truth):
         return diagnosis.derived.get(AT_REST, quantities[name])
     return quantities[name]
 

@@ -50,6 +50,7 @@ class Sealed:
         experiment: what is done.
         write: makes the record's file and returns the standard deviation of its readings [m].
         laws: cause -> the library's law next to it and its values; of foreign laws there is none.
+        at_rest: whether the plant is that of small motions about the place of rest.
     """
 
     truth: frozenset[str]
@@ -58,6 +59,7 @@ class Sealed:
     experiment: str
     write: Callable[[Path], float]
     laws: Mapping[str, tuple[str, Values]] = field(default_factory=dict)
+    at_rest: bool = False
 
 
 def own(draw: lottery.Draw) -> Sealed:
@@ -108,7 +110,9 @@ def several(seed: int, experiment: str) -> Sealed:
     """With three to five faults at once."""
     rig = several_simulate.drawn(seed, experiment)
     changes = {_cause(rig, name): change for name, change in several_simulate.changes(rig).items()}
-    return Sealed(frozenset(changes), rig.plant, changes, experiment, lambda path: _write_several(rig, path))
+    return Sealed(
+        frozenset(changes), rig.at_rest, changes, experiment, lambda path: _write_several(rig, path), at_rest=True
+    )  # fmt: skip
 
 
 def _cause(rig: several_rig.Rig, fault: str) -> str:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
+from scipy.optimize import brentq
 from scipy.signal import butter, lfilter
 
 #: Experiments; a force that is random, or goes up in frequency, shows other faults than steps do.
@@ -88,6 +89,24 @@ class Rig:
     def value(self, name: str) -> float:
         """A value of the drive or of the sensor; 0 where no fault has it."""
         return self._values.get(name, 0.0)
+
+    @property
+    def at_rest(self) -> dict[str, float]:
+        """Mass, damping and stiffness for small motions about the place where springs and a constant force balance,
+        for each metre that the sensor reads there.
+
+        A record does not tell a constant force on a bent spring from another zero of it, nor one beside a bent sensor
+        from another scale; with a play the zero is seen.
+        """
+        law = self.law
+        if law.gap > 0.0:
+            return dict(self.plant)
+        far = -2.0 * law.offset / law.stiffness
+        spring = np.polynomial.Polynomial([law.offset, law.stiffness, law.square, law.cubic])
+        place = float(brentq(spring, *sorted((0.0, far)))) if far else 0.0
+        scale = 1.0 + 2.0 * self.value("bend") * place + 3.0 * self.value("bow") * place**2
+        found = {**self.plant, "stiffness": float(spring.deriv()(place))}
+        return {name: value / scale for name, value in found.items()}
 
     @property
     def _values(self) -> dict[str, float]:

@@ -57,6 +57,27 @@ def test_the_motion_is_that_of_another_integrator(values: dict[str, float]) -> N
     assert simulate.readings(made) == pytest.approx(by_scipy(made), abs=1e-9)
 
 
+@pytest.mark.parametrize("gap", [0.0, 1e-4])
+def test_the_plant_at_rest_is_that_of_a_small_step_there(gap: float) -> None:
+    """A constant force moves the place of rest on a bent spring, and a bent sensor has another scale there."""
+    faults = {
+        "force_offset": {"offset": -0.9}, "asymmetric_spring": {"square": 1.5e4}, "cubic_spring": {"cubic": 2e6},
+        "sensor_nonlinearity": {"bend": 3.0, "bow": -200.0}, "backlash": {"gap": gap},
+    }  # fmt: skip
+    small = 1e-3
+    made = replace(rig(faults), commands=np.repeat((0.0, small), 15000))
+    if gap:
+        assert made.at_rest == made.plant, "a play shows the zero"
+        return
+    read = simulate.readings(made)
+    assert made.at_rest["stiffness"] == pytest.approx(small / (read[-1] - read[14999]), rel=1e-3)
+    assert abs(made.at_rest["stiffness"] / made.plant["stiffness"] - 1.0) > 0.05
+    bare = replace(made, faults={name: faults[name] for name in faults if name != "sensor_nonlinearity"})
+    assert bare.at_rest["mass"] == made.plant["mass"] and made.at_rest["mass"] != made.plant["mass"]
+    ratio = made.at_rest["stiffness"] / made.at_rest["mass"]
+    assert ratio == pytest.approx(bare.at_rest["stiffness"] / bare.at_rest["mass"]), "no sensor changes a frequency"
+
+
 def test_what_holds_a_cart_is_what_it_says() -> None:
     """A constant force: inside the play nothing pushes back; behind a stop both springs do; friction takes its part."""
     long = replace(rig({}), commands=np.full(3000, 3.0), plant={"mass": 0.8, "damping": 25.0, "stiffness": 300.0})
