@@ -16,7 +16,7 @@ from msd_ident.model.effects import by_name, spoken
 from msd_ident.selection.cross_validation import HeldOut, predict
 from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.hypothesis import COULOMB, Causes, Hypothesis
-from msd_ident.selection.ranking import CERTAIN_ODDS, DECISIVE, FAINT, ROUNDING, Ranking, certain, kinds
+from msd_ident.selection.ranking import CALLED, CERTAIN_ODDS, DECISIVE, FAINT, ROUNDING, Ranking, certain, kinds
 
 
 def leading(ranking: Ranking) -> Ranking:
@@ -80,13 +80,16 @@ def _foretold(ranking: Ranking, experiment: Experiment, base: Hypothesis) -> tup
     less = _leaving_less(ranking, experiment, base)
     if less is None:
         return None
-    heldout = predict(experiment, base, less.best)
-    return (less, less.best, heldout) if heldout.better else None
+    heldout, leader = predict(experiment, base, less.best), ranking.best
+    if heldout.better and (not leader.causes or predict(experiment, leader, less.best).better):
+        return less, less.best, heldout
+    return None
 
 
 def _leaving_less(ranking: Ranking, experiment: Experiment, base: Hypothesis) -> Ranking | None:
-    """The ranking of the sets that leave less than half of the error, if the leading one leaves more than it explains,
-    or less than a tenth of it; of those that leave only noise, if there are any.
+    """The ranking of the sets that leave less than half of the error, if the leading one leaves more than it explains
+    or the evidence is not decisively better for it, or less than a tenth of it; of those that leave only noise, if
+    there are any.
 
     Evidence gives what a set leaves a few features in each octave, whatever it is, and asks of a law each of its
     numbers. A law of many sharp numbers (frequencies, pitches, phases) may lose to no law, or to one that moves a
@@ -105,7 +108,8 @@ def _leaving_less(ranking: Ranking, experiment: Experiment, base: Hypothesis) ->
     if chi < FAINT**2 * experiment.evidence:
         return None
     most = TENTH if chi < MOST_OF * base.chi else MOST_OF
-    less = [one for one in _with_less(ranking) if one.chi < most**2 * chi]
+    even = [one.causes for one in ranking.within(DECISIVE)]
+    less = [one for one in _with_less(ranking) if one.chi < most**2 * chi or one.causes in even]
     noise = [one for one in less if one.causes in ranking.exact]
     only = ranking
     for one in ranking.sets:
@@ -113,8 +117,19 @@ def _leaving_less(ranking: Ranking, experiment: Experiment, base: Hypothesis) ->
             only = without(only, one)
     if not only.sets:
         return None
-    likeliest = max(zip(only.evidence, only.sets, strict=True), key=lambda pair: pair[0])[1]
-    return leading(replace(only, foretold=True).led_by(likeliest))
+    return leading(replace(only, foretold=True).led_by(_plainest(only)))
+
+
+def _plainest(ranking: Ranking) -> Hypothesis:
+    """The likeliest set, or the one with the fewest of its causes whose evidence is lower by at most ``CALLED``."""
+    likeliest = max(zip(ranking.evidence, ranking.sets, strict=True), key=lambda pair: pair[0])[1]
+    near = max(ranking.evidence) - CALLED
+    parts = [
+        one
+        for one, value in zip(ranking.sets, ranking.evidence, strict=True)
+        if value >= near and kinds(one.causes) <= kinds(likeliest.causes)
+    ]
+    return min(parts, key=lambda one: len(one.causes))
 
 
 def leaving_less(ranking: Ranking) -> Causes:
