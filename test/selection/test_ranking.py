@@ -142,6 +142,21 @@ def test_of_a_law_that_leaves_much_even_friction_is_only_as_sure_as_it_stands_ou
     assert found.of_cause("coulomb_friction") == pytest.approx(odds / (1.0 + odds), abs=0.03)
 
 
+@pytest.mark.parametrize(("clear", "odds"), [(4.0, 4.0), (1.5, 3.0), (0.9, 1.0), (0.1, 1.0)])
+def test_a_cause_that_explains_less_than_is_left_is_no_likelier_than_not(
+    experiment: Experiment, clear: float, odds: float
+) -> None:
+    """Of ten such causes on rigs of other laws four acted; they were stated with 0.67 on average."""
+    drag = frozenset({"quadratic_drag"})
+    sets = {
+        "nothing": fitted(experiment, BASE, 840.0 * 100.0**2),
+        "drag": fitted(experiment, BASE + QuadraticDrag(1.0), 840.0 * 20.0**2),
+    }
+    found = replace(ranked(sets), clear={drag: {"quadratic_drag": clear}}, leaves={})
+    assert found.best.causes == drag and found.of_set(drag) > 0.99
+    assert found.of_cause("quadratic_drag") == pytest.approx(odds / (1.0 + odds), abs=0.01)
+
+
 @pytest.mark.parametrize(("left", "odds"), [(1.02, 720.0), (10.0, 7.15), (14.0, 3.0)])
 def test_a_cause_is_no_surer_than_it_stands_out_of_what_the_set_leaves(
     experiment: Experiment, left: float, odds: float
