@@ -94,7 +94,8 @@ def _leaving_less(ranking: Ranking, experiment: Experiment, base: Hypothesis) ->
     Evidence gives what a set leaves a few features in each octave, whatever it is, and asks of a law each of its
     numbers. A law of many sharp numbers (frequencies, pitches, phases) may lose to no law, or to one that moves a
     little like it, although little is left of it. Samples that it did not see decide that: by chance no law predicts
-    them. As the evidence does not call for the law, none of its causes is certain.
+    them. As the evidence does not call for the law, none of its causes is certain but those that the leading set holds
+    too, in an experiment that excites enough to need no copies.
 
     Args:
         ranking: sets by evidence, the leading one first.
@@ -117,7 +118,8 @@ def _leaving_less(ranking: Ranking, experiment: Experiment, base: Hypothesis) ->
             only = without(only, one)
     if not only.sets:
         return None
-    return leading(replace(only, foretold=True).led_by(_plainest(only)))
+    called = {kind: ranking.of_cause(kind) for kind in kinds(ranking.best.causes)} if ranking.rich else {}
+    return leading(replace(only, foretold=True, called=called).led_by(_plainest(only)))
 
 
 def _plainest(ranking: Ranking) -> Hypothesis:
@@ -222,8 +224,9 @@ def other_forms(ranking: Ranking) -> tuple[str, ...]:
             for name in unsure
             if by_name(name).creeps_as
         ]
-    if ranking.foretold:
-        said.append("left-out data calls for the named causes, but the evidence does not, so none of them is certain.")
+    if ranking.foretold and (doubted := sorted(kinds(named) - ranking.called.keys())):
+        causes, are = " and ".join(map(spoken, doubted)), "is" if len(doubted) == 1 else "are"
+        said.append(f"left-out data calls for {causes}, but the evidence does not, so {causes} {are} not certain.")
     return tuple(sentence[0].upper() + sentence[1:] for sentence in said)
 
 

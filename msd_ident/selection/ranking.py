@@ -101,7 +101,9 @@ class Ranking:
         unchecked: whether a poor experiment has no copies that check the leading set (``replication``), or left-out
             data do not confirm it: the odds of a cause are limited (``limit``).
         foretold: whether the leading set has its place from left-out data, against the evidence (``naming``): no cause
-            is certain.
+            is certain but those of ``called``.
+        called: causes that the evidence alone calls for where left-out data lead, with the probability that it gives
+            them.
         rich: whether the experiment excites more than one kind of motion (``excitation.poor``).
         steered: whether a controller computes the force from the readings. It brings the cart to the same places, so
             nothing tells a law that pushes back at a place from what holds the cart there: none is certain.
@@ -123,6 +125,7 @@ class Ranking:
     rubbing: Mapping[Causes, Hypothesis] = field(default_factory=dict)
     unchecked: bool = False
     foretold: bool = False
+    called: Mapping[str, float] = field(default_factory=dict)
     rich: bool = False
     steered: bool = False
     pushed_unseen: bool = False
@@ -205,7 +208,7 @@ class Ranking:
             found = min(found, probability_at(CERTAIN_ODDS))
         if not (self.unchecked or self.foretold):
             return found
-        return min(found, probability_at(max(map(self.limit, asked))))
+        return min(found, max(max(self.called.get(kind, 0.0), probability_at(self.limit(kind))) for kind in asked))
 
     def of_cause_by_sets(self, name: str) -> float:
         """Probability of a cause that the sets give together, before what limits it whatever the set."""
