@@ -210,6 +210,26 @@ def test_where_the_leading_set_predicts_no_better_a_set_that_leaves_less_may(
     assert all(found.of_cause(name) <= CERTAIN for name in best.causes)
 
 
+@pytest.mark.parametrize("beats", [True, False])
+def test_a_set_that_left_out_data_bring_to_the_lead_predicts_better_than_the_one_that_led(
+    monkeypatch: pytest.MonkeyPatch, beats: bool
+) -> None:
+    """To predict better than the base model is not enough: the set that led does too."""
+    chi = {("coulomb_friction",): 3e4, (): 2e5, ("cogging",): 2e2}
+    given = ranking({("coulomb_friction",): 0.9, (): 0.08, ("cogging",): 0.02})
+    sets = tuple(cast(Hypothesis, Set(one.causes, chi[tuple(sorted(one.causes))])) for one in given.sets)
+    base = next(one for one in sets if not one.causes)
+
+    def predicted(experiment: object, before: Hypothesis, one: Hypothesis) -> HeldOut:
+        low = 16.0 if before is base or beats else -5.0
+        return HeldOut(1.0, 0.5, 50.0, (low, 70.0))
+
+    monkeypatch.setattr(naming, "predict", predicted)
+    asked = cast(Any, SimpleNamespace(evidence=100.0))
+    _, best, heldout = naming.predicting(asked, base, replace(given, sets=sets))
+    assert best.causes == ({"cogging"} if beats else {"coulomb_friction"}) and heldout.better
+
+
 @pytest.mark.parametrize(("name", "rich", "sure"), [
     ("stiffness_drift", False, CERTAIN), ("settling_stiffness", False, CERTAIN), ("stiffness_drift", True, 1.0),
     ("cubic_spring", False, 1.0), ("sensor_drift", False, 1.0),
