@@ -8,11 +8,16 @@ import numpy as np
 import pytest
 from setrigs import BASE, fitted, steps
 
-from msd_ident.data.record import Record
+from msd_ident.data.record import Record, from_samples
+from msd_ident.model import Effect, simulate
+from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.force_dead_zone import ForceDeadZone
 from msd_ident.model.effects.force_gain_nonlinearity import ForceGainNonlinearity
+from msd_ident.model.effects.quadratic_drag import QuadraticDrag
+from msd_ident.residuals.noise_model import prepare
 from msd_ident.selection.evidence import NoiseScale
-from msd_ident.selection.gain_laws import leading, shares
+from msd_ident.selection.experiment import Experiment
+from msd_ident.selection.gain_laws import _rescaled, leading, shares
 from msd_ident.workflow import pipeline
 from msd_sim import api
 
@@ -75,6 +80,23 @@ def test_of_laws_that_fit_alike_one_leads_that_keeps_the_calibrated_gain() -> No
     assert scale.of(worse) < scale.of(best) - 1.0 and leading(best, [worse], scale) is best
     other = fitted(data, BASE + ForceGainNonlinearity(0.02, math.inf), 6000.0)
     assert leading(best, [other], scale) is best
+
+
+@pytest.mark.parametrize("law", [ForceDeadZone(0.1), ForceGainNonlinearity(0.0, 9.0)], ids=["dead zone", "limit"])
+def test_of_two_sizes_of_force_another_law_moves_the_rig_alike_once_all_forces_are_multiplied(law: Effect) -> None:
+    """A mass was 63 % off, with no word: beside a second mass that rubs no search got from the one law to the other."""
+    at = np.arange(600) / 500.0
+    force = np.select([at < 0.3, at < 0.6, at < 0.9], [5.0, -10.0, 10.0], -5.0)
+    record = from_samples(at, force, np.zeros(at.size))
+    experiment = Experiment(prepare([record]), BASE, frozenset())
+    slope = ForceGainNonlinearity(0.02 if isinstance(law, ForceDeadZone) else -0.02, math.inf)
+    model = BASE + CoulombFriction(0.3) + QuadraticDrag(2.0) + slope
+    found = _rescaled(model, slope, law, experiment)
+    assert {type(effect) for effect in found.effects} == {CoulombFriction, QuadraticDrag, type(law)}
+    factor = found.mass / model.mass
+    assert abs(factor - 1.0) > 0.05 and found["coulomb_force"] == pytest.approx(0.3 * factor)
+    before, after = (simulate(one, record).position for one in (model, found))
+    np.testing.assert_allclose(after, before, atol=1e-7 * np.ptp(before))
 
 
 @pytest.mark.parametrize("zone", [0.1, 0.35, 0.6, 1.5])
