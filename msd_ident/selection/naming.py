@@ -16,7 +16,18 @@ from msd_ident.model.effects import by_name, spoken
 from msd_ident.selection.cross_validation import HeldOut, predict
 from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.hypothesis import COULOMB, Causes, Hypothesis
-from msd_ident.selection.ranking import CALLED, CERTAIN_ODDS, DECISIVE, FAINT, ROUNDING, Ranking, certain, kinds
+from msd_ident.selection.ranking import (
+    CALLED,
+    CERTAIN_ODDS,
+    DECISIVE,
+    FAINT,
+    ROUNDING,
+    Ranking,
+    certain,
+    kinds,
+    probability_at,
+    uncertain,
+)
 
 
 def leading(ranking: Ranking) -> Ranking:
@@ -95,7 +106,7 @@ def _leaving_less(ranking: Ranking, experiment: Experiment, base: Hypothesis) ->
     numbers. A law of many sharp numbers (frequencies, pitches, phases) may lose to no law, or to one that moves a
     little like it, although little is left of it. Samples that it did not see decide that: by chance no law predicts
     them. As the evidence does not call for the law, none of its causes is certain but those that the leading set holds
-    too, in an experiment that excites enough to need no copies.
+    too (``_called``).
 
     Args:
         ranking: sets by evidence, the leading one first.
@@ -118,8 +129,17 @@ def _leaving_less(ranking: Ranking, experiment: Experiment, base: Hypothesis) ->
             only = without(only, one)
     if not only.sets:
         return None
-    called = {kind: ranking.of_cause(kind) for kind in kinds(ranking.best.causes)} if ranking.rich else {}
-    return leading(replace(only, foretold=True, called=called).led_by(_plainest(only)))
+    return leading(replace(only, foretold=True, called=_called(ranking)).led_by(_plainest(only)))
+
+
+def _called(ranking: Ranking) -> dict[str, float]:
+    """Causes of the set that the evidence puts first, with their probability; in a poor experiment, of which no copies
+    are made then, no more than one without copies allows.
+    """
+    found = {kind: ranking.of_cause(kind) for kind in kinds(ranking.best.causes)}
+    if ranking.rich:
+        return found
+    return {kind: min(p, probability_at(uncertain(by_name(kind)))) for kind, p in found.items()}
 
 
 def _plainest(ranking: Ranking) -> Hypothesis:

@@ -277,7 +277,7 @@ class Ranking:
         if aged or shape or seen_once or causes in self.leaves:
             odds = min(odds, CERTAIN_ODDS)
         if self.curved_by(causes, law):
-            odds = min(odds, _uncertain(effect), CERTAIN_ODDS)
+            odds = min(odds, uncertain(effect), CERTAIN_ODDS)
         if causes not in self.exact:
             clear = min(self.clear.get(causes, {}).get(law, math.inf), self._shaped(causes, law))
             clear *= max(min(clear, _usual(effect)), 1.0)
@@ -342,7 +342,7 @@ class Ranking:
         if self.foretold:  # what speaks for a set and what speaks against it are even, unless no error is seen
             return CERTAIN_ODDS if exact else 1.0
         effect = by_name(by_name(name).cause())
-        return CERTAIN_ODDS * _usual(effect) if exact else _uncertain(effect)
+        return CERTAIN_ODDS * _usual(effect) if exact else uncertain(effect)
 
     def within(self, nats: float) -> list[Hypothesis]:
         """Sets whose evidence is not more than this below the leading one."""
@@ -350,7 +350,7 @@ class Ranking:
         return [fitted for fitted, value in zip(self.sets, self.evidence, strict=True) if value >= least]
 
 
-def _uncertain(effect: type[Effect]) -> float:
+def uncertain(effect: type[Effect]) -> float:
     """Greatest odds of a cause whose law is not this rig's, or that needs copies and has none."""
     return FORM_ODDS * Effect.prior_odds * _usual(effect)
 
