@@ -127,7 +127,8 @@ between the samples, its noise is white and rounded. The diagnosis gets only the
 
 Made by `python -m bench.blind --score FILE... --docs docs` from the outcomes (`--json`) of several studies: the
 [blind study](blind-study.md), [laws that the library does not have](blind-variants.md), [MuJoCo's
-rigs](blind-mujoco.md), [rigs with several faults](blind-several.md). The tables below name those that were given.
+rigs](blind-mujoco.md), [rigs with several faults](blind-several.md), [two unknown laws](blind-variant-pairs.md). The
+tables below name those that were given.
 
 A stated probability is right if the causes that are named with it are right as often. A lab's rig does not follow the
 laws of a library exactly, so the probabilities allow for other forms of the laws. Where the rig follows the library,
