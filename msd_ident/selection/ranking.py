@@ -279,10 +279,11 @@ class Ranking:
         if self.curved_by(causes, law):
             odds = min(odds, uncertain(effect), CERTAIN_ODDS)
         if causes not in self.exact:
-            clear = min(self.clear.get(causes, {}).get(law, math.inf), self._shaped(causes, law))
+            over_left = self.clear.get(causes, {}).get(law, math.inf)
+            clear = min(over_left, self._shaped(causes, law))
             clear *= max(min(clear, _usual(effect)), 1.0)
             least = FORM_ODDS * Effect.prior_odds
-            odds = min(odds, max(clear, least if clear >= 1.0 else min(_usual(effect), least)))
+            odds = min(odds, max(clear, least if over_left >= 1.0 else min(_usual(effect), least)))
         return probability_at(odds)
 
     def _drifts_beside_a_drift(self, causes: Causes, law: str) -> bool:
