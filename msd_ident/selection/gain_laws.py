@@ -14,6 +14,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from msd_ident.data.record import FloatArray
+from msd_ident.estimate.levels import NATURAL_RANGE
 from msd_ident.estimate.parameter_units import in_force_unit
 from msd_ident.model import Effect, Model
 from msd_ident.model.effects import by_name
@@ -106,8 +107,8 @@ def _rescaled(model: Model, own: Effect, law: Effect, experiment: Experiment) ->
     """A model with another law of the gain, nearest to the same motion: with the same forces but for a factor, by which
     all else that has a unit of force is multiplied.
 
-    The factor c and the law's values p minimise Σ (g(u; p) − c·f(u))² over the commands u of the records, where the
-    model makes f(u) of them and the other law g(u; p).
+    The factor 1/a and the law's values p minimise Σ (a·g(u; p) − f(u))² over the commands u of the records, where the
+    model makes f(u) of them and the other law g(u; p). A law that lets no command pass is no minimum of it.
     """
     commands = np.unique(np.concatenate([record.force for record in experiment.records]))
     if commands.size > _COMMANDS:
@@ -115,7 +116,7 @@ def _rescaled(model: Model, own: Effect, law: Effect, experiment: Experiment) ->
     made = np.array([own.pushes(u) for u in commands.tolist()])
     free = [parameter for parameter in law.parameters if parameter.name not in law.idle()]
     start = np.array([1.0, *(getattr(law, parameter.name) for parameter in free)])
-    bounds = [0.0, *(p.lower for p in free)], [np.inf, *(p.upper for p in free)]
+    bounds = [1.0 / NATURAL_RANGE, *(p.lower for p in free)], [NATURAL_RANGE, *(p.upper for p in free)]
 
     def other(values: FloatArray) -> Effect:
         known = dict(zip([p.name for p in law.parameters], law.values, strict=True))
@@ -123,9 +124,9 @@ def _rescaled(model: Model, own: Effect, law: Effect, experiment: Experiment) ->
 
     def error(vector: FloatArray) -> FloatArray:
         changed = other(vector[1:])
-        return np.asarray([changed.pushes(u) for u in commands.tolist()] - vector[0] * made)
+        return np.asarray(vector[0] * np.array([changed.pushes(u) for u in commands.tolist()]) - made)
 
     found = least_squares(error, start, bounds=bounds, x_scale=np.where(start != 0.0, np.abs(start), 1.0)).x
     plain = replace(model, effects=tuple(effect for effect in model.effects if effect is not own))
-    scaled = plain.with_values(in_force_unit(plain, float(found[0])))
+    scaled = plain.with_values(in_force_unit(plain, 1.0 / float(found[0])))
     return replace(scaled, effects=(*scaled.effects, other(found[1:])))

@@ -51,8 +51,8 @@ def predicting(experiment: Experiment, base: Hypothesis, ranking: Ranking) -> tu
     """The leading set that predicts left-out data better than the base model, or the base model.
 
     A set that does not is dropped from the ranking, and the next one is tried, ``KEPT`` times at most. If the base
-    model leads, the likeliest set with causes replaces it when the interval of its gain is above 0. If the leading set
-    leaves more than it explains and another one half of that, left-out data decide first (``_leaving_less``).
+    model leads, the likeliest set with causes replaces it when the interval of its gain is above 0. Where another set
+    leaves far less than the leading one, left-out data decide first (``_leaving_less``).
 
     Args:
         experiment: readings with their weights.

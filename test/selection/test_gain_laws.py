@@ -99,6 +99,17 @@ def test_of_two_sizes_of_force_another_law_moves_the_rig_alike_once_all_forces_a
     np.testing.assert_allclose(after, before, atol=1e-7 * np.ptp(before))
 
 
+@pytest.mark.parametrize("law", [ForceDeadZone(9.5), ForceGainNonlinearity(0.0, 0.01)], ids=["dead zone", "limit"])
+def test_a_law_that_lets_hardly_a_command_pass_takes_no_force_from_the_rig(law: Effect) -> None:
+    """With a factor of 0 and no force at all, any two laws would agree."""
+    at = np.arange(300) / 500.0
+    record = from_samples(at, np.where(at < 0.3, 5.0, -10.0), np.zeros(at.size))
+    slope = ForceGainNonlinearity(-0.02, math.inf)
+    found = _rescaled(BASE + slope, slope, law, Experiment(prepare([record]), BASE, frozenset()))
+    pushed = max(abs(effect.pushes(u)) for effect in found.effects for u in (5.0, -10.0))
+    assert 1e-3 * BASE.mass < found.mass < 1e3 * BASE.mass and pushed > 0.0
+
+
 @pytest.mark.parametrize("zone", [0.1, 0.35, 0.6, 1.5])
 def test_of_two_sizes_of_force_a_dead_zone_has_the_mass(zone: float) -> None:
     sizes = (5.0, 0.0, 10.0, 0.0, -5.0, 0.0, -10.0, 0.0)
