@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -10,6 +12,8 @@ from msd_ident.data.quality.relation import accounted, without_spring
 from msd_ident.data.record import Record, from_samples
 from msd_ident.errors import DataError
 from msd_ident.io import read
+from msd_ident.model import Plant, simulate
+from msd_ident.model.effects.gravity import Gravity
 from msd_ident.workflow import pipeline
 from msd_sim import api, lottery
 
@@ -20,6 +24,25 @@ def moved_by_hand(seed: int, seconds: float = 20.0) -> Record:
     time = np.arange(0.0, seconds, 0.01)
     position = np.convolve(rng.standard_normal(time.size + 200), np.hanning(200), "valid")[: time.size]
     return from_samples(time, 0.05 * rng.standard_normal(time.size), 0.02 * position)
+
+
+def test_a_pendulum_that_goes_round_is_held_by_its_weight() -> None:
+    """Its force and motion were said to have nothing to do with each other: of a spring they have not."""
+    time = np.arange(0.0, 10.0, 0.01)
+    torque = 0.2 * np.sign(np.sin(2.0 * np.pi * 0.45 * time) + 0.6 * np.sin(2.0 * np.pi * 0.31 * time))
+    still = replace(from_samples(time, torque, np.zeros(time.size)), position_unit="rad", force_unit="N·m")
+    angle = simulate(Plant(0.08, 0.005, 0.0) + Gravity(1.4), still, 3.0, 3.0).position
+    assert np.ptp(angle) > 4.0 * np.pi
+    record = replace(still, position=angle)
+    assert accounted(replace(record, position_unit="m")) < 0.0 < 0.95 < accounted(record)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_an_angle_moved_by_hand_is_refused_too(seed: int) -> None:
+    for times in (1.0, 30.0):  # hardly bent, and over turns
+        hand = moved_by_hand(seed)
+        record = replace(hand, position=times * hand.position, position_unit="rad", force_unit="N·m")
+        assert accounted(record) < 0.2
 
 
 @pytest.mark.parametrize("seed", range(5))

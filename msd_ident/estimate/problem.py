@@ -27,6 +27,11 @@ from msd_ident.tuning import fixed
 NuisanceKind = Literal["initial position", "initial velocity", "zero"]
 
 _BLOWN_UP = fixed(1e6, "accuracy", "amplitudes that the error of a simulation counts as which blows up")
+_PARTED = fixed(
+    1e3,
+    "resources",
+    "amplitudes at which a simulation counts as one that blows up: a joint that spins takes ever smaller steps",
+)
 
 
 @dataclass(frozen=True)
@@ -317,7 +322,8 @@ class Problem:
         rows = np.empty((len(points), still.size))
         rows[:] = still
         rows[:, columns] = points[:, self._entries[record]]
-        return self.simulators[record].residuals(rows, _BLOWN_UP * self.typical.length, *weights)
+        length = self.typical.length
+        return self.simulators[record].residuals(rows, _BLOWN_UP * length, _PARTED * length, *weights)
 
     @cached_property
     def _rows(self) -> tuple[tuple[FloatArray, npt.NDArray[np.intp]], ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -38,7 +39,7 @@ class Trajectory:
 
 _NOTHING: FloatArray = np.empty(0)
 #: What ``run.compare`` leaves readings as they are with.
-_NOT_COMPARED = (np.empty(0), _NOTHING, 0.0)
+_NOT_COMPARED = (np.empty(0), _NOTHING, 0.0, math.inf)
 
 
 def warm_up(say: Callable[[str], None] | None = None) -> None:
@@ -86,21 +87,22 @@ class Simulator:
             raise UsageError(f"values have shape {given.shape}; expected (any, {self._place.size})")
         return self._simulated(self._rows(given, initial_position, initial_velocity), _NOT_COMPARED)
 
-    def residuals(self, rows: FloatArray, worst: float, root: FloatArray = _NOTHING) -> FloatArray:
+    def residuals(self, rows: FloatArray, worst: float, reach: float, root: FloatArray = _NOTHING) -> FloatArray:
         """Simulated readings less those of the record, for several vectors in one call.
 
         Args:
             rows: (r, p + 3) parameter values, then position [m], velocity [m/s] and zero [m] at the first sample. They
                 must be contiguous.
             worst: largest size of an error [m]; that of a simulation which diverges.
+            reach: distance [m] from where it begins at which a motion of nonlinear laws counts as one that diverges.
             root: (n,) factor on each error; none at all means 1 each.
 
         Returns:
             (r, n).
         """
-        return self._simulated(rows, (self.record.position, root, worst))
+        return self._simulated(rows, (self.record.position, root, worst, reach))
 
-    def _simulated(self, rows: FloatArray, measured: tuple[FloatArray, FloatArray, float]) -> FloatArray:
+    def _simulated(self, rows: FloatArray, measured: tuple[FloatArray, FloatArray, float, float]) -> FloatArray:
         cancellation.raise_if_cancelled()
         out: FloatArray = np.empty((rows.shape[0], self.record.samples))
         solver.run((self._bits, self._place), rows, self._plan, measured, (out, out[:, :0]))

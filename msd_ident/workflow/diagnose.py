@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from msd_ident.data.record import Record
 from msd_ident.design import proposing
 from msd_ident.diagnosis import Diagnosis, Task, concluded, diagnose_records, same_plant, search
@@ -17,8 +19,9 @@ from msd_ident.workflow.options import Options
 from msd_ident.workflow.preparation import Prepared, held_otherwise, prepare
 from msd_ident.workflow.spring_decision import Decision, has_spring, hidden_spring, needless_spring
 
-#: What the best model of a diagnosis may hold, in words.
+#: What the model by which a record is judged may hold, in words.
 _WHOLE = "mass, damping, stiffness and all causes of the library"
+_PROBABLE = "mass, damping, stiffness and the causes that are likelier than not"
 
 
 def _silent(stage: str, fraction: float, cause: str) -> None:
@@ -64,7 +67,8 @@ def diagnose(
         now = diagnose_records(_task(prepared, options, other), progress, earlier)
         if other.sprung or _does_without(now.extended, diagnosis.extended):
             diagnosis = now
-    explained.check(diagnosis.extended.residuals, diagnosis.records, _WHOLE, prepared.doubtful_units, diagnosed=True)
+    judged, holds = _judged(diagnosis)
+    explained.check(judged.residuals, diagnosis.records, holds, prepared.doubtful_units, diagnosed=True)
     progress("next experiment", 0.98, "")
     diagnosis = proposing(replace(diagnosis, turned=prepared.turned))
     if diagnosis.adequacy.material:
@@ -75,6 +79,18 @@ def diagnose(
         diagnosis = replace(diagnosis, warnings=(*diagnosis.warnings, *filter(None, said)))
     progress("done", 1.0, "")
     return diagnosis
+
+
+def _judged(diagnosis: Diagnosis) -> tuple[FitResult, str]:
+    """The model that must explain most of the motion, and what it may hold: the extended one; the base model where no
+    force acts and no cause is likelier than not.
+
+    A few tones, drifts and bends together follow any slow motion for a while, also that of a hand.
+    """
+    forced = any(bool(np.any(record.force)) for record in diagnosis.records)
+    if forced or any(cause.tied_probability > MOST_OF for cause in diagnosis.causes):
+        return diagnosis.extended, _WHOLE
+    return diagnosis.base, _PROBABLE if diagnosis.causes else _WHOLE
 
 
 def _decided_again(decision: Decision, found: Diagnosis) -> Decision | None:

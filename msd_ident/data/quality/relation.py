@@ -3,9 +3,10 @@
 A joint that a hand moves, or an effort that is no force, is still fitted by some model, with absurd values. Before any
 model is fitted, m x'' + b x' + k x + Fc sign(x') + F0 = F is multiplied by smooth windows and integrated by parts, so
 that no reading is differentiated (the modulating functions of Shinbrot, 1957), and regressed. Springs that press only
-near either end of the travel are columns too: a cart that runs into its stops has most of its force there. The result
-is the part of the force's variation that the motion accounts for, at the window length at which it accounts for most.
-It is corrected for the noise of the encoder that the regression carries into the force.
+near either end of the travel are columns too: a cart that runs into its stops has most of its force there. So are sine
+and cosine of an angle: a pendulum that goes round is moved by its weight. The result is the part of the force's
+variation that the motion accounts for, at the window length at which it accounts for most. It is corrected for the
+noise of the encoder that the regression carries into the force.
 """
 
 from __future__ import annotations
@@ -58,7 +59,7 @@ def accounted(record: Record, floor: float = 0.0) -> float:
         record: position and force.
         floor: standard deviation of the encoder's noise [m].
     """
-    return max(_usable(record, floor, _WINDOWS), default=math.nan)
+    return max(_usable(record, floor, _WINDOWS, angle=record.position_unit == "rad"), default=math.nan)
 
 
 def without_spring(record: Record, floor: float = 0.0) -> tuple[float, float]:
@@ -76,14 +77,16 @@ def without_spring(record: Record, floor: float = 0.0) -> tuple[float, float]:
     return sprung, free
 
 
-def _usable(record: Record, floor: float, windows: Iterable[int], *, spring: bool = True) -> Iterator[float]:
+def _usable(
+    record: Record, floor: float, windows: Iterable[int], *, spring: bool = True, angle: bool = False
+) -> Iterator[float]:
     """``_share`` with each of these numbers of windows in the record, but for those of which none is usable."""
     position, force, averaged = _even(record)
     if position.size < _SHORTEST:
         return
     for size in (position.size // count for count in windows):
         if size >= _NARROWEST:
-            share = _share(position, force, size, floor / math.sqrt(averaged), spring=spring)
+            share = _share(position, force, size, floor / math.sqrt(averaged), spring=spring, angle=angle)
             if not math.isnan(share):
                 yield share
 
@@ -106,9 +109,10 @@ def _even(record: Record) -> tuple[FloatArray, FloatArray, int]:
     return position - np.mean(position), force, count
 
 
-def _share(position: FloatArray, force: FloatArray, size: int, noise: float, *, spring: bool) -> float:
+def _share(position: FloatArray, force: FloatArray, size: int, noise: float, *, spring: bool, angle: bool) -> float:
     """Of windows of ``size`` points: 1 − residual over variation of the force, corrected for the numbers fitted and for
-    the noise of a position [m] that the fitted coefficients turn into force. Without a spring k is 0.
+    the noise of a position [m] that the fitted coefficients turn into force. Without a spring k is 0; an angle has a
+    weight's sine and cosine.
     """
     u = np.linspace(-1.0, 1.0, size + 2)[1:-1]
     bump, slope = (1.0 - u**2) ** 3, -6.0 * u * (1.0 - u**2) ** 2
@@ -116,7 +120,8 @@ def _share(position: FloatArray, force: FloatArray, size: int, noise: float, *, 
     bend -= bump * np.sum(bend) / np.sum(bump)  # of few points, a position that is constant would be an acceleration
     x, v, a, f = (_windowed(*pair) for pair in ((position, bump), (position, -slope), (position, bend), (force, bump)))
     swing = float(np.ptp(position))
-    pressed = (_windowed(bent, bump) for bent in _bent_at_ends(position))
+    curves = [*_bent_at_ends(position), *((np.sin(position), np.cos(position)) if angle else ())]
+    pressed = (_windowed(curve, bump) for curve in curves)
     if np.ptp(force) == 0.0:
         return math.nan
     moving = np.abs(v) > _MOVES * swing * float(np.sum(np.abs(slope))) / 2.0

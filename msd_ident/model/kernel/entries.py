@@ -51,5 +51,5 @@ def run(model, rows, plan, measured, out):
     bits, place = model
     out_x, out_v = out
     for i in range(rows.shape[0]):
-        kernel.row(bits, rows[i], place, plan, Path(out_x[i], out_v[i]))
+        kernel.row(bits, rows[i], place, plan, measured[3], Path(out_x[i], out_v[i]))
         kernel.compare(rows[i], measured, out_x[i])

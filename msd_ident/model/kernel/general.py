@@ -247,7 +247,7 @@ def _held(run, j, segments, progress, path):
 
 
 @joined
-def run_of(world, spring, m, scales):
+def run_of(world, spring, m, scales, reach):
     """What stays the same during a run; ``scales``: sizes of the motion that errors are compared with."""
     active, far, fast = world.cart.active, scales.x, scales.v
     return Run(
@@ -257,7 +257,7 @@ def run_of(world, spring, m, scales):
         (active & (places.DRY_BITS | places.TURNING_BITS)) != 0 or spring.edges.size > 2,
         (active & places.RESTLESS_BITS) != 0 or world.cart.m2 > 0.0,
         (active & places.QUICK_BITS) != 0,
-        1e12 * far,
+        min(1e12 * far, reach),
         Tolerances(TOLERANCE4 * far, TOLERANCE4 * fast, TOLERANCE5 * far, TOLERANCE5 * fast, TOLERANCE_ADAMS * fast),
     )
 
@@ -290,7 +290,7 @@ def general(run, segments, motion, path):
         path.x[j] = x
         if path.v.size > 0:
             path.v[j] = v
-        if not abs(x) < run.far:
+        if not abs(x - motion.x) < run.far:
             give_up(path.x, j)
             give_up(path.v, j)
             break

@@ -290,7 +290,7 @@ class Run(NamedTuple):
         eventful: whether turns and knees are events.
         restless: whether forces change by themselves at rest.
         quick: whether forces change quickly after a turn.
-        far: position [m] beyond which the motion is given up.
+        far: distance [m] from where it begins at which the motion is given up.
         tolerances: accepted errors.
     """
 

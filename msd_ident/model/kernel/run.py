@@ -60,7 +60,7 @@ def plan(time, force_time, force, straight):
 
 
 @joined
-def row(bits, values, place, plan, out):
+def row(bits, values, place, plan, reach, out):
     """Simulate one parameter vector.
 
     Args:
@@ -68,6 +68,7 @@ def row(bits, values, place, plan, out):
         values: (p + 3,) the model's parameters, then position [m] and velocity [m/s] at the first sample, and the zero.
         place: (p,) where each parameter stands in ``places.INDEX``.
         plan: the record and what ``plan`` made of it, see ``simulator.Simulator``.
+        reach: distance [m] from where it begins at which the general path gives the motion up.
         out: ``Path`` for the readings of the positions, NaN from where the motion leaves all bounds, and velocities.
     """
     time, largest = plan[0], plan[-1]
@@ -100,7 +101,7 @@ def row(bits, values, place, plan, out):
     arriving = cut
     if bits & ~places.EXACT_BITS:
         scales = _scales(Linear(m, b, k), time, largest, motion)
-        general(run_of(world, spring, m, scales), cut, motion, path)
+        general(run_of(world, spring, m, scales, reach), cut, motion, path)
     else:
         kinetic, hold = 0.0, 0.0
         if bits & places.DRY_BITS:
@@ -121,11 +122,11 @@ def compare(values, measured, readings):
 
     Args:
         values: (p + 3,) of ``row``; the last one is the zero [m].
-        measured: positions (n,) [m] or (0,), roots (n,) of the weights or (0,) for 1 each, and the largest size of an
-            error [m]: a simulation that diverges counts as this.
+        measured: positions (n,) [m] or (0,), roots (n,) of the weights or (0,) for 1 each, the largest size of an
+            error [m]: a simulation that diverges counts as this, and the ``reach`` of ``row``.
         readings: (n,) [m], changed in place.
     """
-    position, root, worst = measured
+    position, root, worst, _ = measured
     zero = values[-1]
     for j in range(position.size):
         error = readings[j] - position[j]
