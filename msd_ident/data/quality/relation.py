@@ -12,7 +12,7 @@ noise of the encoder that the regression carries into the force.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
@@ -84,9 +84,11 @@ def _usable(
     position, force, averaged = _even(record)
     if position.size < _SHORTEST:
         return
+    pressing = [position if spring else np.zeros_like(position), *_bent_at_ends(position)]
+    pressing += [np.sin(position), np.cos(position)] if angle else []
     for size in (position.size // count for count in windows):
         if size >= _NARROWEST:
-            share = _share(position, force, size, floor / math.sqrt(averaged), spring=spring, angle=angle)
+            share = _share(position, force, pressing, size, floor / math.sqrt(averaged))
             if not math.isnan(share):
                 yield share
 
@@ -109,19 +111,19 @@ def _even(record: Record) -> tuple[FloatArray, FloatArray, int]:
     return position - np.mean(position), force, count
 
 
-def _share(position: FloatArray, force: FloatArray, size: int, noise: float, *, spring: bool, angle: bool) -> float:
+def _share(position: FloatArray, force: FloatArray, pressing: Sequence[FloatArray], size: int, noise: float) -> float:
     """Of windows of ``size`` points: 1 − residual over variation of the force, corrected for the numbers fitted and for
-    the noise of a position [m] that the fitted coefficients turn into force. Without a spring k is 0; an angle has a
-    weight's sine and cosine.
+    the noise of a position [m] that the fitted coefficients turn into force.
+
+    ``pressing``: curves over the position with a force of their own, that of the spring first.
     """
     u = np.linspace(-1.0, 1.0, size + 2)[1:-1]
     bump, slope = (1.0 - u**2) ** 3, -6.0 * u * (1.0 - u**2) ** 2
     bend = -6.0 * (1.0 - u**2) ** 2 + 24.0 * u**2 * (1.0 - u**2)
     bend -= bump * np.sum(bend) / np.sum(bump)  # of few points, a position that is constant would be an acceleration
-    x, v, a, f = (_windowed(*pair) for pair in ((position, bump), (position, -slope), (position, bend), (force, bump)))
+    v, a, f = (_windowed(*pair) for pair in ((position, -slope), (position, bend), (force, bump)))
     swing = float(np.ptp(position))
-    curves = [*_bent_at_ends(position), *((np.sin(position), np.cos(position)) if angle else ())]
-    pressed = (_windowed(curve, bump) for curve in curves)
+    pressed = [_windowed(curve, bump) for curve in pressing]
     if np.ptp(force) == 0.0:
         return math.nan
     moving = np.abs(v) > _MOVES * swing * float(np.sum(np.abs(slope))) / 2.0
@@ -130,10 +132,9 @@ def _share(position: FloatArray, force: FloatArray, size: int, noise: float, *, 
     deviation = (f[moving] - np.mean(f[moving])) ** 2
     if float(np.sum(deviation)) ** 2 < _FEWEST * float(np.sum(deviation**2)):
         return math.nan
-    columns = np.column_stack((a, v, x, np.sign(v), np.ones_like(x), *pressed))[moving]
-    scale = np.maximum(np.sqrt(np.mean(columns**2, axis=0)), 1e-300)
-    if not spring:
-        columns[:, 2] = 0.0
+    columns = np.column_stack((a, v, pressed[0], np.sign(v), np.ones_like(v), *pressed[1:]))[moving]
+    sizes = np.sqrt(np.mean(columns**2, axis=0))
+    scale = np.where(sizes > 0.0, sizes, 1.0)
     fitted = np.linalg.lstsq(columns / scale, f[moving], rcond=None)[0] / scale
     left = f[moving] - columns @ fitted
     kernel = fitted[0] * bend - fitted[1] * slope + fitted[2] * bump

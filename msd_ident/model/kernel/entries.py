@@ -48,8 +48,7 @@ def run(model, rows, plan, measured, out):
         model: set of effects and places of the parameters, see ``run.row``.
         out: (r, n), filled with readings or with what these miss by, and (r, n) or (r, 0), filled with velocities.
     """
-    bits, place = model
     out_x, out_v = out
     for i in range(rows.shape[0]):
-        kernel.row(bits, rows[i], place, plan, measured[3], Path(out_x[i], out_v[i]))
+        kernel.row(model, rows[i], plan, measured[3], Path(out_x[i], out_v[i]))
         kernel.compare(rows[i], measured, out_x[i])

@@ -60,17 +60,17 @@ def plan(time, force_time, force, straight):
 
 
 @joined
-def row(bits, values, place, plan, reach, out):
+def row(model, values, plan, reach, out):
     """Simulate one parameter vector.
 
     Args:
-        bits: set of the model's effects, see ``places.BIT``.
+        model: set of its effects, see ``places.BIT``, and (p,) where each of its parameters stands in ``places.INDEX``.
         values: (p + 3,) the model's parameters, then position [m] and velocity [m/s] at the first sample, and the zero.
-        place: (p,) where each parameter stands in ``places.INDEX``.
         plan: the record and what ``plan`` made of it, see ``simulator.Simulator``.
         reach: distance [m] from where it begins at which the general path gives the motion up.
         out: ``Path`` for the readings of the positions, NaN from where the motion leaves all bounds, and velocities.
     """
+    bits, place = model
     time, largest = plan[0], plan[-1]
     p = np.zeros(_PARAMETERS)
     for i in range(place.size):
