@@ -202,7 +202,14 @@ def _promises_too_little(experiment: Experiment, fitted: Hypothesis, least: floa
 
     Far from the noise no model is right, and what a step promises says little.
     """
-    return least < FAR * experiment.evidence and step(fitted.problem, fitted.state, DAMPING**2)[1] < 0.5 * fitted.chi
+    return (
+        not _leaves_far_more(experiment, least) and step(fitted.problem, fitted.state, DAMPING**2)[1] < 0.5 * fitted.chi
+    )
+
+
+def _leaves_far_more(experiment: Experiment, chi: float) -> bool:
+    """Whether a set's error is of another size than the noise."""
+    return chi > COMPARABLE * experiment.evidence
 
 
 def _hopeless(experiment: Experiment, least: float) -> float:
@@ -210,7 +217,7 @@ def _hopeless(experiment: Experiment, least: float) -> float:
 
     Far from the noise no model is right, and there a factor of a few in chi² is a large difference in evidence.
     """
-    if least > FAR * experiment.evidence:
+    if _leaves_far_more(experiment, least):
         return least * ALIKE**2
     return experiment.worse(least, COMPARABLE)
 
@@ -219,7 +226,7 @@ def _worth_kicking(experiment: Experiment, least: float) -> float:
     """The chi² below which a set is begun from other starts: far from the noise, where most sets are as good as the
     leading one, only a set that leads is.
     """
-    return least if least > FAR * experiment.evidence else _hopeless(experiment, least)
+    return least if _leaves_far_more(experiment, least) else _hopeless(experiment, least)
 
 
 def _settled_gain(experiment: Experiment, fitted: Hypothesis) -> float:
