@@ -70,7 +70,7 @@ def search(question: Question, profiles: Sequence[Profile]) -> Found | None:
         good = [one for one in batch if one.probability >= ENOUGH]
         if good and len(closer) < LOOK:
             closer.append(_closely(question, min(good, key=lambda one: one.profile.duration)))
-            work += _refitting(question, closer[-1][0].profile)
+            work += _refitting(closer[-1][1])
             if closer[-1][0].probability >= ENOUGH:
                 return Found(*closer[-1], tuple(seen))
     if not seen:
@@ -86,7 +86,7 @@ def search(question: Question, profiles: Sequence[Profile]) -> Found | None:
         if pick.profile.name in known:
             continue
         closer.append(_closely(question, pick))
-        work += _refitting(question, pick.profile)
+        work += _refitting(closer[-1][1])
         if closer[-1][0].probability >= ENOUGH:
             break
     best = choose([one for one, _ in closer])
@@ -120,9 +120,9 @@ def _asked(question: Question, option: Option) -> Option:
     return replace(option, parting=option.parting.asked(question.truths))
 
 
-def _refitting(question: Question, profile: Profile) -> float:
-    """Work of real refits: every rival refitted to every other one's readings."""
-    return question.work(profile) * (len(question.predictors) - 1)
+def _refitting(refits: Refits) -> float:
+    """Readings that real refits took."""
+    return float(sum(one.simulated for row in refits for one in row if one is not None))
 
 
 def _closely(question: Question, option: Option) -> tuple[Option, Refits]:

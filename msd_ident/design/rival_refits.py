@@ -23,11 +23,13 @@ class Refitted:
         chi: weighted sum of squares that is left, the change of B's parameters against the measured data included.
         true: (n,) readings of A [m].
         rival: (n,) readings of B after the refit [m].
+        simulated: readings that the refit took.
     """
 
     chi: float
     true: FloatArray
     rival: FloatArray
+    simulated: int
 
     @property
     def difference(self) -> FloatArray:
@@ -51,6 +53,7 @@ def refitted(rival: Predictor, own: Prediction, true: Prediction, on: Grid, seen
     lower, upper = _bounds(rival)
     point, readings, jacobian = origin.copy(), own.position, own.jacobian
     cost, damping = _cost(readings, true, weight, point - origin, before), 1e-6
+    simulated = 0
     for _ in range(SHORT):
         normal = (jacobian * weight) @ jacobian.T + before
         slope = (jacobian * weight) @ (true.position - readings) - before @ (point - origin)
@@ -59,6 +62,7 @@ def refitted(rival: Predictor, own: Prediction, true: Prediction, on: Grid, seen
         ahead = np.clip(point + np.linalg.solve(scaled, slope / size) / size, lower, upper)
         free, start = ahead[:-NUISANCES], ahead[-NUISANCES:]
         reading = rival.readings(on.record, free[None, :], start[None, :])[0]
+        simulated += reading.size
         reached = _cost(reading, true, weight, ahead - origin, before)
         if reached >= cost:
             damping = max(10.0 * damping, 1e-3)
@@ -68,7 +72,8 @@ def refitted(rival: Predictor, own: Prediction, true: Prediction, on: Grid, seen
         if settled:
             break
         _, jacobian = rival.linearised(on.record, free, start)
-    return Refitted(cost, true.position, readings)
+        simulated += point.size * reading.size
+    return Refitted(cost, true.position, readings, simulated)
 
 
 def _bounds(rival: Predictor) -> tuple[FloatArray, FloatArray]:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
 from designrigs import LIMITS, SEEN, explanation
 
 from msd_ident import cancellation
+from msd_ident.design import profile_search, rival_refits
 from msd_ident.design.evaluation import ENOUGH, Question, family_of
 from msd_ident.design.profile_search import HOPELESS, Found, search
 from msd_ident.model import Model, Plant
@@ -54,6 +56,26 @@ def test_refits_are_those_of_the_rivals_to_each_other() -> None:
     for result in (found(900.0), found(PLANT.stiffness)):
         assert [[one is None for one in row] for row in result.refits] == [[True, False], [False, True]]
         assert np.all(np.diag(result.best.shares) == 1.0)
+
+
+def test_costly_refits_end_the_search(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Twins ask for three closer looks; with a budget that the first one uses up, there is one."""
+    looks: list[int] = []
+    shares = rival_refits.shares
+
+    def looked(*asked: Any) -> Any:
+        kept, refits = shares(*asked)
+        looks.append(sum(one.simulated for row in refits for one in row if one is not None))
+        return kept, refits
+
+    monkeypatch.setattr(rival_refits, "shares", looked)
+    question = asking(PLANT, PLANT)
+    profiles = family_of(question)[:LEADERS]
+    assert search(question, profiles) is not None and len(looks) > 1
+    screened = sum(question.work(profile) for profile in profiles)
+    monkeypatch.setattr(profile_search, "_SCREENING", (screened + 0.5 * looks[0]) / 1.5)
+    del looks[1:]
+    assert search(question, profiles) is not None and len(looks) == 2, "the first of before, and the one of now"
 
 
 def test_no_profile_no_result() -> None:

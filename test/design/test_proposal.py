@@ -137,7 +137,7 @@ def test_the_hardest_pair_is_seen_with_the_richer_law_true() -> None:
 
 
 def test_a_measurement_that_cannot_tell_promises_nothing() -> None:
-    left = Refitted(1.0, 2e-3 * np.eye(20)[1], np.zeros(20))
+    left = Refitted(1.0, 2e-3 * np.eye(20)[1], np.zeros(20), 0)
     for probability, words in (
         (0.9, "It should tell A or B with probability 0.90."),
         (0.2, "is likely to tell A or B;"),

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from designrigs import SEEN, STEP, explanation
 
+from msd_ident.data.record import Record
 from msd_ident.design.prediction import Grid, Prediction, Predictor, grid
 from msd_ident.design.rival_refits import Refitted, refitted, shares
 from msd_ident.model import Model, Plant
@@ -39,6 +40,22 @@ def test_a_plant_that_is_not_known_finds_the_other_ones_readings(factor: float) 
     done = refit(PLANT, other, 10.0)
     assert np.max(np.abs(done.difference)) < 0.15 * apart
     np.testing.assert_array_equal(done.true, rival(other, 1.0)[1].position)
+
+
+def test_a_refit_counts_what_it_simulated(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every step takes one simulation, and one more for each entry of the next Jacobian."""
+    taken = []
+    readings = Predictor.readings
+
+    def counted(one: Predictor, on: Record, points: np.ndarray, *start: np.ndarray) -> np.ndarray:
+        found = readings(one, on, points, *start)
+        taken.append(found.size)
+        return found
+
+    own, true = rival(PLANT, 10.0), rival(PLANT.with_values({"damping": 5.0}), 10.0)[1]
+    monkeypatch.setattr(Predictor, "readings", counted)
+    done = refitted(*own, true, ON, SEEN)
+    assert done.simulated == sum(taken) > ON.record.samples
 
 
 def test_what_the_data_knows_holds_a_refit_back() -> None:
