@@ -13,6 +13,7 @@ from msd_ident.diagnosis import Diagnosis, Task, concluded, diagnose_records, sa
 from msd_ident.errors import UsageError
 from msd_ident.estimate import FitResult, explained
 from msd_ident.estimate.levels import MOST_OF
+from msd_ident.estimate.result import scale_known
 from msd_ident.residuals import impulses
 from msd_ident.selection.fitted_sets import Progress
 from msd_ident.workflow.options import Options
@@ -83,12 +84,13 @@ def diagnose(
 
 def _judged(diagnosis: Diagnosis) -> tuple[FitResult, str]:
     """The model that must explain most of the motion, and what it may hold: the extended one; the base model where no
-    force acts and no cause is likelier than not.
+    force moves the rig and no cause is likelier than not.
 
     A few tones, drifts and bends together follow any slow motion for a while, also that of a hand.
     """
     forced = any(bool(np.any(record.force)) for record in diagnosis.records)
-    if forced or any(cause.tied_probability > MOST_OF for cause in diagnosis.causes):
+    moved = forced and scale_known(diagnosis.extended.quantities)
+    if moved or any(cause.tied_probability > MOST_OF for cause in diagnosis.causes):
         return diagnosis.extended, _WHOLE
     return diagnosis.base, _PROBABLE if diagnosis.causes else _WHOLE
 
