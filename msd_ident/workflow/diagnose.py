@@ -16,6 +16,7 @@ from msd_ident.estimate.levels import MOST_OF
 from msd_ident.estimate.result import scale_known
 from msd_ident.residuals import impulses
 from msd_ident.selection.fitted_sets import Progress
+from msd_ident.selection.ranking import certain
 from msd_ident.workflow.options import Options
 from msd_ident.workflow.preparation import Prepared, held_otherwise, prepare
 from msd_ident.workflow.spring_decision import Decision, has_spring, hidden_spring, needless_spring
@@ -23,6 +24,7 @@ from msd_ident.workflow.spring_decision import Decision, has_spring, hidden_spri
 #: What the model by which a record is judged may hold, in words.
 _WHOLE = "mass, damping, stiffness and all causes of the library"
 _PROBABLE = "mass, damping, stiffness and the causes that are likelier than not"
+_CERTAIN = "mass, damping, stiffness and the causes that are certain"
 
 
 def _silent(stage: str, fraction: float, cause: str) -> None:
@@ -84,15 +86,18 @@ def diagnose(
 
 def _judged(diagnosis: Diagnosis) -> tuple[FitResult, str]:
     """The model that must explain most of the motion, and what it may hold: the extended one; the base model where no
-    force moves the rig and no cause is likelier than not.
+    force moves the rig, more than noise is left, and no cause is probable.
 
-    A few tones, drifts and bends together follow any slow motion for a while, also that of a hand.
+    A few tones, drifts and bends together follow any slow motion for a while, also that of a hand. Without a force a
+    cause is probable where it is likelier than not; where a force acts and moves nothing, what does is not recorded,
+    and no cause is probable but a certain one.
     """
     forced = any(bool(np.any(record.force)) for record in diagnosis.records)
-    moved = forced and scale_known(diagnosis.extended.quantities)
-    if moved or any(cause.tied_probability > MOST_OF for cause in diagnosis.causes):
+    most = max((cause.tied_probability for cause in diagnosis.causes), default=1.0)
+    probable = certain(most) if forced else most > MOST_OF
+    if probable or not diagnosis.adequacy.material or (forced and scale_known(diagnosis.extended.quantities)):
         return diagnosis.extended, _WHOLE
-    return diagnosis.base, _PROBABLE if diagnosis.causes else _WHOLE
+    return diagnosis.base, _CERTAIN if forced else _PROBABLE
 
 
 def _decided_again(decision: Decision, found: Diagnosis) -> Decision | None:
