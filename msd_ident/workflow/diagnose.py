@@ -20,6 +20,7 @@ from msd_ident.selection.ranking import certain
 from msd_ident.workflow.options import Options
 from msd_ident.workflow.preparation import Prepared, held_otherwise, prepare
 from msd_ident.workflow.spring_decision import Decision, has_spring, hidden_spring, needless_spring
+from msd_ident.workflow.unstable_motion import stretches
 
 #: What the model by which a record is judged may hold, in words.
 _WHOLE = "mass, damping, stiffness and all causes of the library"
@@ -70,6 +71,7 @@ def diagnose(
         now = diagnose_records(_task(prepared, options, other), progress, earlier)
         if other.sprung or _does_without(now.extended, diagnosis.extended):
             diagnosis = now
+    diagnosis = _in_stretches(diagnosis, options, progress)
     judged, holds = _judged(diagnosis)
     explained.check(judged.residuals, diagnosis.records, holds, prepared.doubtful_units, diagnosed=True)
     progress("next experiment", 0.98, "")
@@ -82,6 +84,15 @@ def diagnose(
         diagnosis = replace(diagnosis, warnings=(*diagnosis.warnings, *filter(None, said)))
     progress("done", 1.0, "")
     return diagnosis
+
+
+def _in_stretches(diagnosis: Diagnosis, options: Options, progress: Progress) -> Diagnosis:
+    """The diagnosis of the stretches that a simulation follows, where the motion is unstable (``unstable_motion``)."""
+    if (cut := stretches(diagnosis.extended, diagnosis.records)) is None:
+        return diagnosis
+    prepared = prepare(cut.records)
+    found = diagnose_records(_task(prepared, options, has_spring(prepared, options)), progress)
+    return replace(found, warnings=(cut.said, *found.warnings))
 
 
 def _judged(diagnosis: Diagnosis) -> tuple[FitResult, str]:
