@@ -53,6 +53,7 @@ class Task:
         rest_before: for each record the rest before a hand moved the cart, which the record leaves out; None without.
         calibrate: whether copies of the records are diagnosed too, and the probabilities corrected by what they are
             called; if False, only where ``selection.replication`` finds it worth the cost.
+        balanced: whether the records are stretches of an unstable motion, which a controller holds.
     """
 
     records: tuple[Record, ...]
@@ -64,6 +65,7 @@ class Task:
     tolerance: float = TOLERANCE
     rest_before: tuple[Record | None, ...] = ()
     calibrate: bool = False
+    balanced: bool = False
 
     @property
     def forced(self) -> bool:
@@ -128,7 +130,8 @@ def search(task: Task, progress: Progress = silent, earlier: Diagnosis | None = 
         ranking = replace(noted(rank({NOTHING: base}, NoiseScale()), experiment), rubbing={NOTHING: friction})
     else:
         ranking = coarse_to_fine.search(experiment, (base, friction), progress, _remembered(earlier, task.records))
-    ranking = replace(ranking, steered=task.steered, pushed_unseen=force_unknown(task.findings))
+    unseen = force_unknown(task.findings)
+    ranking = replace(ranking, steered=task.steered, pushed_unseen=unseen, balanced=task.balanced)
     return Searched(experiment, base, ranking, shared)
 
 

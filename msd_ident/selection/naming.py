@@ -237,6 +237,11 @@ def other_forms(ranking: Ranking) -> tuple[str, ...]:
         if name in ranking.held.get(named, ())
     ]
     said += [*_slow(ranking, unsure), *_sampled(ranking, unsure), *_aging(ranking, unsure), *_steered(ranking, unsure)]
+    if ranking.balanced and unsure:
+        said.append(
+            "a controller holds an unstable motion, and what disturbs the rig moves its force too, which friction also "
+            "does: no cause is certain. Release the joint below its axis, or push it there."
+        )
     if not ranking.rich:
         said += [
             f"over one decay {spoken(name)} moves like a sensor that settles, so it is not certain. Push again later "

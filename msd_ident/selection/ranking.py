@@ -108,6 +108,8 @@ class Ranking:
         steered: whether a controller computes the force from the readings. It brings the cart to the same places, so
             nothing tells a law that pushes back at a place from what holds the cart there: none is certain.
         pushed_unseen: whether the cart moves before the force is known: no cause is certain.
+        balanced: whether a controller holds an unstable motion, of which stretches are fitted: what disturbs the rig
+            moves the force too, so no cause is certain.
     """
 
     sets: tuple[Hypothesis, ...]
@@ -129,6 +131,7 @@ class Ranking:
     rich: bool = False
     steered: bool = False
     pushed_unseen: bool = False
+    balanced: bool = False
 
     @property
     def best(self) -> Hypothesis:
@@ -204,7 +207,7 @@ class Ranking:
         if self.best.causes in self.leaves:
             own = [law for law in self.best.causes if by_name(law).cause() in asked]
             found = min(found, max((self._greatest(self.best.causes, law, asked) for law in own), default=1.0))
-        if self.pushed_unseen:
+        if self.pushed_unseen or self.balanced:
             found = min(found, probability_at(CERTAIN_ODDS))
         if not (self.unchecked or self.foretold):
             return found

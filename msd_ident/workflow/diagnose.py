@@ -91,7 +91,8 @@ def _in_stretches(diagnosis: Diagnosis, options: Options, progress: Progress) ->
     if (cut := stretches(diagnosis.extended, diagnosis.records)) is None:
         return diagnosis
     prepared = prepare(cut.records)
-    found = diagnose_records(_task(prepared, options, has_spring(prepared, options)), progress)
+    task = replace(_task(prepared, options, has_spring(prepared, options)), balanced=True)
+    found = diagnose_records(task, progress)
     return replace(found, warnings=(cut.said, *found.warnings))
 
 

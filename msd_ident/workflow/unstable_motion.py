@@ -18,12 +18,14 @@ from msd_ident.data.record import MINIMUM_SAMPLES, FloatArray, Record
 from msd_ident.estimate import FitResult
 from msd_ident.estimate.effort import A_SWING
 from msd_ident.estimate.levels import BEYOND_DOUBT, NATURAL_RANGE
-from msd_ident.estimate.problem import Initial
 from msd_ident.estimate.regression_init import starting_state
 from msd_ident.model import Model, Simulator
 from msd_ident.tuning import fixed
 
-_NUDGE = fixed(1e-7, "accuracy", "deviation, in amplitudes, whose growth is followed: far above rounding")
+_NUDGE = fixed(1e-7, "accuracy", "deviation, in parts of the motion, whose growth is followed: far above rounding")
+#: Units of velocity, in that of the motion's, in which a growth is looked at.
+_UNITS = tuple(10.0 ** np.arange(-1.0, 3.5, 0.5))
+_PIECES = fixed(200, "resources", "pieces of a record, of which each pair of start and end is looked at")
 
 
 @dataclass(frozen=True)
@@ -39,76 +41,120 @@ class Stretches:
     said: str
 
 
-def growth(model: Model, record: Record, start: Initial) -> float:
-    """How many times as large a deviation becomes along a record as it has been before.
+def stretches(fitted: FitResult, records: Sequence[Record]) -> Stretches | None:
+    """The records, those cut along which the motion is unstable; None where it is nowhere.
+
+    A stretch ends where a deviation of the size of noise would grow beyond doubt; those in which nothing moves are left
+    out. Only a model with a weight that hangs on a joint is looked at: no other law of the library pushes away from a
+    place for long.
+
+    Args:
+        fitted: the model of the rig.
+        records: what it was fitted to.
+    """
+    if not any(effect.angular for effect in fitted.model.effects):
+        return None
+    found: list[Record] = []
+    said: list[str] = []
+    for record, start in zip(records, fitted.initial, strict=True):
+        pieces = _pieces(record)
+        turns = transitions(fitted.model, pieces, start.zero)
+        if not growth(turns) > NATURAL_RANGE:
+            found.append(record)
+            continue
+        parts = [part for part in _parts(record, pieces, _ends(turns)) if not observe(part).still]
+        found += parts
+        said.append(
+            f"The motion of {record.name} is unstable: what moves the joint a little moves it more than "
+            f"{NATURAL_RANGE:.0f} times as far later on, so no simulation follows the whole record. It was cut into "
+            f"{len(parts)} stretches, each with its own start."
+        )
+    return Stretches(tuple(found), " ".join(said)) if said and found else None
+
+
+def transitions(model: Model, pieces: Sequence[Record], zero: float) -> list[FloatArray]:
+    """How each piece of a record changes a small deviation from the measured motion, (2, 2): position and velocity at
+    its end for those at its start, in parts of the motion's.
 
     Args:
         model: of the rig.
-        record: gives force and stamps.
-        start: state and zero at the first sample.
+        pieces: one after the other, each of which begins with the last sample of the one before.
+        zero: reading of the relaxed spring [m].
     """
-    simulator = Simulator(model, record)
-    path = simulator.trajectory(model.values, start.position, start.velocity)
-    length, speed = float(np.std(path.position)), float(np.std(path.velocity))
-    if not (length > 0.0 and speed > 0.0):  # a cart that sticks, or a motion that leaves all bounds
-        return 1.0
-    found = [1.0]
-    for step in ((_NUDGE * length, 0.0), (0.0, _NUDGE * speed)):
-        other = simulator.trajectory(model.values, start.position + step[0], start.velocity + step[1])
-        away = np.hypot((other.position - path.position) / length, (other.velocity - path.velocity) / speed)
-        # Friction and stops end a deviation; what is left of it is rounding, and no start of a growth.
-        least = np.minimum.accumulate(np.maximum(away, 1e-3 * _NUDGE))
-        found.append(float(np.max(away / least)))
-    return max(found)
+    position = np.concatenate([piece.position for piece in pieces])
+    velocity = [starting_state(piece, int(A_SWING) // 2)[1] for piece in pieces]
+    length, speed = float(np.std(position)), float(np.std(velocity))
+    if not (length > 0.0 and speed > 0.0):
+        return []
+    found = []
+    for piece, fast in zip(pieces, velocity, strict=True):
+        simulator, place = Simulator(model, piece), float(piece.position[0]) - zero
+        end = _end(simulator, place, fast)
+        moved = (_end(simulator, place + _NUDGE * length, fast), _end(simulator, place, fast + _NUDGE * speed))
+        columns = [(one - end) / (_NUDGE * np.array([length, speed])) for one in moved]
+        found.append(np.nan_to_num(np.column_stack(columns), posinf=0.0, neginf=0.0))
+    return found
 
 
-def stretches(fitted: FitResult, records: Sequence[Record]) -> Stretches | None:
-    """The records, cut where the motion of a fitted model is unstable; None where it is nowhere.
+def _end(simulator: Simulator, position: float, velocity: float) -> FloatArray:
+    """Position and velocity (2,) at the last sample."""
+    path = simulator.trajectory(simulator.model.values, position, velocity)
+    return np.array([path.position[-1], path.velocity[-1]])
 
-    Rigs with a stable motion reach a growth of 160 (stops, and a start from rest); joints that stand over their axis
-    for some seconds 6000 and more.
+
+def growth(turns: Sequence[FloatArray]) -> float:
+    """The most that a deviation grows from the start of one piece to the end of another.
+
+    In the unit of velocity in which it is least: a swing that turns a deviation of the position into one of the
+    velocity is no growth. Stable rigs reach 64, a joint that stands over its axis for some seconds a million.
 
     Args:
-        fitted: the model, with the start of each record.
-        records: what it was fitted to.
+        turns: (2, 2) of each piece, see ``transitions``.
     """
-    found: list[Record] = []
-    cut: list[str] = []
-    for record, start in zip(records, fitted.initial, strict=True):
-        grown = growth(fitted.model, record, start)
-        if not grown > NATURAL_RANGE:
-            found.append(record)
-            continue
-        parts = _followed(fitted.model, record, start.zero)
-        found += parts
-        cut.append(
-            f"The motion of {record.name} is unstable: what moves the joint a little moves it more than "
-            f"{NATURAL_RANGE:.0f} times as far later on, so no simulation follows the whole record. It was cut into "
-            f"{len(parts)} stretches of {parts[0].duration:.2g} s, each with its own start."
-        )
-    return Stretches(tuple(found), " ".join(cut)) if cut else None
+    return min(_growth(np.array(turns), unit) for unit in _UNITS) if len(turns) else 1.0
 
 
-def _followed(model: Model, record: Record, zero: float) -> list[Record]:
-    """The longest equal parts along which no deviation of the size of noise grows beyond doubt; those in which the
-    joint moves.
-    """
-    count = 2
-    while True:
-        parts = [part for part in _parts(record, count) if not observe(part).still]
-        short = record.samples // (2 * count) < max(A_SWING, MINIMUM_SAMPLES)
-        if short or all(growth(model, part, _start(part, zero)) <= BEYOND_DOUBT for part in parts):
-            return parts
-        count *= 2
+def _growth(turns: FloatArray, unit: float) -> float:
+    """``growth`` with the velocity in so many times its unit; (n, 2, 2)."""
+    scaled = turns * np.array([[1.0, unit], [1.0 / unit, 1.0]])
+    whole = np.empty((0, 2, 2))
+    most = 1.0
+    for turn in scaled:
+        whole = turn @ np.concatenate((whole, np.eye(2)[None]))
+        most = max(most, float(np.max(np.abs(whole))))
+        if not most <= NATURAL_RANGE:
+            break
+    return most
 
 
-def _parts(record: Record, count: int) -> list[Record]:
-    """Parts of equal numbers of samples, on the record's clock and with its hold."""
-    pieces: list[FloatArray] = np.array_split(record.time, count)
-    parts = [record.window(float(piece[0]), float(piece[-1])) for piece in pieces]
-    return [replace(part, name=f"{record.name} from {part.time[0]:.3g} s", hold_known=True) for part in parts]
+def _ends(turns: Sequence[FloatArray]) -> list[int]:
+    """Numbers of the pieces with which stretches end, the last one included."""
+    ends, whole = [], np.eye(2)
+    for i, turn in enumerate(turns):
+        whole = turn @ whole
+        if i + 1 < len(turns) and float(np.linalg.norm(turns[i + 1] @ whole, 2)) > BEYOND_DOUBT:
+            ends.append(i)
+            whole = np.eye(2)
+    return [*ends, len(turns) - 1]
 
 
-def _start(part: Record, zero: float) -> Initial:
-    position, velocity = starting_state(part, int(A_SWING) // 2)
-    return Initial(position - zero, velocity, zero)
+def _pieces(record: Record) -> list[Record]:
+    """Short equal parts of a record, each of which begins with the last sample of the one before."""
+    count = int(np.clip(record.samples // max(A_SWING, MINIMUM_SAMPLES), 1, _PIECES))
+    edges = np.linspace(0, record.samples - 1, count + 1).astype(int)
+    return [
+        record.window(float(record.time[first]), float(record.time[last]))
+        for first, last in zip(edges, edges[1:], strict=False)
+    ]
+
+
+def _parts(record: Record, pieces: Sequence[Record], ends: Sequence[int]) -> list[Record]:
+    """The stretches, on the record's clock and with its hold; no sample is in two of them."""
+    found, begin = [], float(record.time[0])
+    for end in ends:
+        last = float(pieces[end].time[-1])
+        part = record.window(begin, last)
+        found.append(replace(part, name=f"{record.name} from {part.time[0]:.3g} s", hold_known=True))
+        after = int(np.searchsorted(record.time, last, side="right"))
+        begin = float(record.time[min(after, record.samples - 1)])
+    return found
