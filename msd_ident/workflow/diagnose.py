@@ -87,8 +87,10 @@ def diagnose(
 
 
 def _in_stretches(diagnosis: Diagnosis, options: Options, progress: Progress) -> Diagnosis:
-    """The diagnosis of the stretches that a simulation follows, where the motion is unstable (``unstable_motion``)."""
-    if (cut := stretches(diagnosis.extended, diagnosis.records)) is None:
+    """The diagnosis of the stretches that a simulation follows, where the motion is unstable (``unstable_motion``) and
+    more than noise is left: a law that follows such a motion to the noise is the rig's.
+    """
+    if not diagnosis.adequacy.material or (cut := stretches(diagnosis.extended, diagnosis.records)) is None:
         return diagnosis
     prepared = prepare(cut.records)
     task = replace(_task(prepared, options, has_spring(prepared, options)), balanced=True)

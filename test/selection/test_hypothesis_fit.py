@@ -99,7 +99,7 @@ def test_what_leads_further_down_is_gone_on_from(monkeypatch: pytest.MonkeyPatch
 def test_far_from_the_noise_only_a_set_that_leads_is_begun_from_other_starts() -> None:
     """There most sets leave about as much as the leading one."""
     data = rubbing()
-    near, far = (times * hypothesis_fit.FAR * data.evidence for times in (0.9, 1.1))
+    near, far = (times * hypothesis_fit.COMPARABLE * data.evidence for times in (0.9, 1.1))
     assert hypothesis_fit._worth_kicking(data, far) == far
     assert hypothesis_fit._worth_kicking(data, near) > near
 
