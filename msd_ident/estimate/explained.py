@@ -60,6 +60,11 @@ def check(
         )
 
 
+def forced(records: Sequence[Record]) -> bool:
+    """Whether any force acts in one of the records."""
+    return any(bool(np.any(record.force)) for record in records)
+
+
 def _reasons(records: Sequence[Record], diagnosed: bool) -> str:
     """What may be the matter with records that a model does not carry, each with the next step."""
     law = "the rig may follow another law, as a pendulum does that swings far: msd diagnose looks for it; or "
@@ -68,5 +73,4 @@ def _reasons(records: Sequence[Record], diagnosed: bool) -> str:
         "; or a controller may hold an unstable plant, which no simulation from the first sample follows: cut the "
         "record there; or the force may be another quantity: check --force"
     )
-    forced = any(bool(np.any(record.force)) for record in records)
-    return f"{'' if diagnosed else law}{hand}{force if forced else ''}"
+    return f"{'' if diagnosed else law}{hand}{force if forced(records) else ''}"

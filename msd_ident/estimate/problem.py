@@ -27,11 +27,7 @@ from msd_ident.tuning import fixed
 NuisanceKind = Literal["initial position", "initial velocity", "zero"]
 
 _BLOWN_UP = fixed(1e6, "accuracy", "amplitudes that the error of a simulation counts as which blows up")
-_PARTED = fixed(
-    1e3,
-    "resources",
-    "amplitudes at which a simulation counts as one that blows up: a joint that spins takes ever smaller steps",
-)
+_PARTED = fixed(1e3, "resources", "amplitudes at which a joint that spins, in ever smaller steps, counts as blown up")
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from msd_ident.data.record import Record
 from msd_ident.design import proposing
 from msd_ident.diagnosis import Diagnosis, Task, concluded, diagnose_records, same_plant, search
@@ -106,7 +104,7 @@ def _judged(diagnosis: Diagnosis) -> tuple[FitResult, str]:
     cause is probable where it is likelier than not; where a force acts and moves nothing, what does is not recorded,
     and no cause is probable but a certain one.
     """
-    forced = any(bool(np.any(record.force)) for record in diagnosis.records)
+    forced = explained.forced(diagnosis.records)
     most = max((cause.tied_probability for cause in diagnosis.causes), default=1.0)
     probable = certain(most) if forced else most > MOST_OF
     if probable or not diagnosis.adequacy.material or (forced and scale_known(diagnosis.extended.quantities)):

@@ -106,7 +106,8 @@ def growth(turns: Sequence[FloatArray]) -> float:
     """The most that a deviation grows from the start of one piece to the end of another.
 
     In the unit of velocity in which it is least: a swing that turns a deviation of the position into one of the
-    velocity is no growth. Stable rigs reach 64, a joint that stands over its axis for some seconds a million.
+    velocity is no growth. Counting stops beyond ``NATURAL_RANGE``. Joints that hang reach 64 (measured ones that swing
+    up), those that are held upright for some seconds pass it.
 
     Args:
         turns: (2, 2) of each piece, see ``transitions``.
@@ -139,7 +140,9 @@ def _ends(turns: Sequence[FloatArray]) -> list[int]:
 
 
 def _pieces(record: Record) -> list[Record]:
-    """Short equal parts of a record, each of which begins with the last sample of the one before."""
+    """Short equal parts of a record, each of which begins with the last sample of the one before. Without that sample
+    each is long enough for a record: where a step is too short by rounding, it is the first.
+    """
     count = int(np.clip(record.samples // max(A_SWING, MINIMUM_SAMPLES), 1, _PIECES))
     edges = np.linspace(0, record.samples - 1, count + 1).astype(int)
     return [

@@ -17,7 +17,7 @@ from msd_ident.estimate.problem import Initial
 from msd_ident.model import Model, Plant, simulate
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.gravity import Gravity
-from msd_ident.workflow import pipeline
+from msd_ident.workflow import pipeline, unstable_motion
 from msd_ident.workflow.unstable_motion import growth, stretches, transitions
 
 MASS, DAMPING, WEIGHT, PERIOD = 0.15, 0.02, 2.8, 2e-3
@@ -88,6 +88,15 @@ def test_a_joint_that_is_held_upright_is_cut_where_it_moves() -> None:
         np.testing.assert_array_equal(part.position, record.position[first : first + part.samples])
         np.testing.assert_array_equal(part.force_at(part.time), record.force_at(part.time))
         assert np.ptp(part.position) > 2e-3, "no stretch in which only the last digit changes"
+
+
+@pytest.mark.parametrize("samples", [20, 39, 41, 500, 1000, 5000])
+def test_a_stretch_of_each_piece_has_samples_enough_for_a_record(samples: int) -> None:
+    time = np.arange(samples) * PERIOD
+    record = from_samples(time, np.sin(time), np.cos(time))
+    pieces = unstable_motion._pieces(record)
+    parts = unstable_motion._parts(record, pieces, range(len(pieces)))
+    np.testing.assert_array_equal(np.concatenate([part.time for part in parts]), time)
 
 
 @pytest.mark.long
