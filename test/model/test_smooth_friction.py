@@ -18,6 +18,8 @@ from msd_ident.model.effects.smooth_friction_turn import SmoothFrictionTurn
 from msd_ident.model.effects.smooth_stribeck_friction import SmoothStribeckFriction
 from msd_ident.workflow import pipeline
 
+RECORD = record(rate=500.0, duration=1.0)
+
 
 def following(measured: Record, rubs: Callable[[float], float]) -> np.ndarray:
     """Positions of the plant with this friction [N] at a velocity [m/s], by scipy."""
@@ -161,3 +163,23 @@ def test_friction_that_creeps_in_another_way_is_no_damping(turned: bool, asking_
     found = pipeline.diagnose([noisy(pushed, moved)])
     (cause,) = found.causes
     assert cause.name == ("smooth_friction_turn" if turned else "smooth_friction")
+
+
+@pytest.mark.parametrize(("peak", "same"), [(0.3, True), (0.4, True), (0.5, False)])
+def test_without_a_peak_a_smooth_law_takes_the_place_of_one_with_a_peak(peak: float, same: bool) -> None:
+    peaked = SmoothStribeckFriction(0.4, peak, 0.02, 2e-4)
+    model = plant() + peaked
+    found = SmoothFriction.in_place_of(peaked, model)
+    assert found is not None and found.effects == (SmoothFriction(0.4, 2e-4),)
+    assert SmoothFriction.is_all_of(peaked, model) == same
+    apart = [Simulator(one, RECORD).positions(one.values) for one in (model, found)]
+    assert np.allclose(*apart, rtol=0.0, atol=1e-9 * np.ptp(apart[0])) == same
+
+
+def test_it_takes_the_place_of_no_other_law() -> None:
+    turn, sharp = SmoothFrictionTurn(0.4, 2e-4, 3.0), CoulombFriction(0.4)
+    assert SmoothFriction.in_place_of(turn, plant() + turn) == plant() + SmoothFriction(0.4, 2e-4)
+    assert not SmoothFriction.is_all_of(turn, plant() + turn)
+    for other in (sharp, SmoothFriction(0.4, 2e-4)):
+        assert SmoothFriction.in_place_of(other, plant() + other) is None
+        assert not SmoothFriction.is_all_of(other, plant() + other)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from msd_ident.model.declarations import Parameter, RecordScales
 from msd_ident.model.effects import typical
 from msd_ident.model.effects.base import Effect
 from msd_ident.model.effects.law import RUBS
+from msd_ident.model.effects.stribeck_friction import no_peak
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
@@ -60,6 +61,21 @@ class SmoothFriction(Effect):
     def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:
         """See ``Effect``."""
         return {"creep_speed": (_SLOWEST * seen.speed, _FASTEST * seen.speed)}
+
+    @classmethod
+    def in_place_of(cls, other: Effect, model: Model) -> Model | None:
+        """A law that rises over a creep speed and bends further, without that bend."""
+        if other.name == cls.name or not {one.name for one in cls.parameters} <= {one.name for one in other.parameters}:
+            return None
+        others = tuple(effect for effect in model.effects if effect is not other)
+        values = {one.name: getattr(other, one.name) for one in cls.parameters}
+        return replace(model, effects=(*others, cls(**values)))
+
+    @classmethod
+    def is_all_of(cls, other: Effect, model: Model) -> bool:
+        """A peak that is not above the sliding force is none."""
+        turns = cls.in_place_of(other, model) is not None and "peak_friction" in {one.name for one in other.parameters}
+        return turns and no_peak(*other.values[:2])
 
     @classmethod
     def guess(cls, record: Record, plant: Model) -> tuple[SmoothFriction, ...]:
