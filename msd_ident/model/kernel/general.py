@@ -48,7 +48,7 @@ TOLERANCE4, TOLERANCE5, TOLERANCE_ADAMS = 1e-7, 5e-8, 3e-8
 #: rounding.
 _EVEN, _SAME = 1e-7, 1e-11
 #: Steps that a run may take: so many a segment, and so many on top. Beyond, the motion is given up as NaN.
-STEPS_A_SEGMENT, STEPS = 120, 100_000
+STEPS_A_SEGMENT, STEPS = 120, 10_000
 
 
 @inlined
