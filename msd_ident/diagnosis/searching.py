@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -54,6 +53,7 @@ class Task:
         calibrate: whether copies of the records are diagnosed too, and the probabilities corrected by what they are
             called; if False, only where ``selection.replication`` finds it worth the cost.
         balanced: whether the records are stretches of an unstable motion, which a controller holds.
+        known: a fit of a larger model to these records, whose effects are tried from where it stands.
     """
 
     records: tuple[Record, ...]
@@ -66,6 +66,7 @@ class Task:
     rest_before: tuple[Record | None, ...] = ()
     calibrate: bool = False
     balanced: bool = False
+    known: FitResult | None = None
 
     @property
     def forced(self) -> bool:
@@ -129,7 +130,7 @@ def search(task: Task, progress: Progress = silent, earlier: Diagnosis | None = 
     if left.consistent:
         ranking = replace(noted(rank({NOTHING: base}, NoiseScale()), experiment), rubbing={NOTHING: friction})
     else:
-        ranking = coarse_to_fine.search(experiment, (base, friction), progress, _remembered(earlier, task.records))
+        ranking = coarse_to_fine.search(experiment, (base, friction), progress, _remembered(earlier, task))
     unseen = force_unknown(task.findings)
     ranking = replace(ranking, steered=task.steered, pushed_unseen=unseen, balanced=task.balanced)
     return Searched(experiment, base, ranking, shared)
@@ -154,8 +155,11 @@ def prepare(task: Task) -> Experiment:
     return Experiment(parts, model, frozenset(fixed), quiet)
 
 
-def _remembered(earlier: Diagnosis | None, records: Sequence[Record]) -> list[Remembered]:
+def _remembered(earlier: Diagnosis | None, task: Task) -> list[Remembered]:
     """What stood before, the likeliest first; a record that was not there begins at rest at its first reading."""
+    if task.known is not None:
+        model = task.known.model if task.sprung else task.known.model.with_values({"stiffness": 0.0})
+        return [(frozenset(model.effect_names), model, task.known.initial)]
     if earlier is None:
         return []
 
@@ -166,7 +170,7 @@ def _remembered(earlier: Diagnosis | None, records: Sequence[Record]) -> list[Re
         return Initial(0.0, 0.0, float(record.position[0]))
 
     return [
-        (frozenset(one.causes), one.model, tuple(began(one, record) for record in records))
+        (frozenset(one.causes), one.model, tuple(began(one, record) for record in task.records))
         for one in earlier.contenders[:KEPT]
         if one.causes
     ]

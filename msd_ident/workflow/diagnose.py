@@ -15,10 +15,10 @@ from msd_ident.estimate.result import scale_known
 from msd_ident.residuals import impulses
 from msd_ident.selection.fitted_sets import Progress
 from msd_ident.selection.ranking import certain
+from msd_ident.workflow import unstable_motion
 from msd_ident.workflow.options import Options
 from msd_ident.workflow.preparation import Prepared, held_otherwise, prepare
 from msd_ident.workflow.spring_decision import Decision, has_spring, hidden_spring, needless_spring
-from msd_ident.workflow.unstable_motion import stretches
 
 #: What the model by which a record is judged may hold, in words.
 _WHOLE = "mass, damping, stiffness and all causes of the library"
@@ -53,6 +53,39 @@ def diagnose(
         )
     progress("looking at the data", 0.01, "")
     prepared = prepare(records)
+    cut = unstable_motion.by_regression(prepared.records)
+    if cut is not None:
+        diagnosis = _in_stretches(prepared, cut, options, progress)
+    if cut is None or unstable_motion.followed(diagnosis.extended, cut):
+        diagnosis = _searched(prepared, options, progress, earlier)
+        cut = unstable_motion.by_model(diagnosis.extended, diagnosis.records) if diagnosis.adequacy.material else None
+        if cut is not None:
+            diagnosis = _in_stretches(prepared, cut, options, progress)
+    judged, holds = _judged(diagnosis)
+    moved = diagnosis.records if cut is None else unstable_motion.beside_their_starts(diagnosis.records)
+    explained.check(judged.residuals, moved, holds, prepared.doubtful_units, diagnosed=True)
+    progress("next experiment", 0.98, "")
+    diagnosis = proposing(replace(diagnosis, turned=prepared.turned))
+    if diagnosis.adequacy.material:
+        said = [
+            *impulses.sentences(diagnosis.records, diagnosis.extended, diagnosis.noise_floor),
+            same_plant.warning(diagnosis.records),
+        ]
+        diagnosis = replace(diagnosis, warnings=(*diagnosis.warnings, *filter(None, said)))
+    progress("done", 1.0, "")
+    return diagnosis
+
+
+def _searched(
+    prepared: Prepared,
+    options: Options,
+    progress: Progress,
+    earlier: Diagnosis | None = None,
+) -> Diagnosis:
+    """The diagnosis of prepared records, with the spring, the hold and the lead of the force that it speaks for.
+
+    Arguments are those of ``diagnose``.
+    """
     decision = has_spring(prepared, options)
     found = search(_task(prepared, options, decision), progress, earlier)
     for _ in range(2):  # the hold, and then the lead
@@ -69,31 +102,23 @@ def diagnose(
         now = diagnose_records(_task(prepared, options, other), progress, earlier)
         if other.sprung or _does_without(now.extended, diagnosis.extended):
             diagnosis = now
-    diagnosis = _in_stretches(diagnosis, options, progress)
-    judged, holds = _judged(diagnosis)
-    explained.check(judged.residuals, diagnosis.records, holds, prepared.doubtful_units, diagnosed=True)
-    progress("next experiment", 0.98, "")
-    diagnosis = proposing(replace(diagnosis, turned=prepared.turned))
-    if diagnosis.adequacy.material:
-        said = [
-            *impulses.sentences(diagnosis.records, diagnosis.extended, diagnosis.noise_floor),
-            same_plant.warning(diagnosis.records),
-        ]
-        diagnosis = replace(diagnosis, warnings=(*diagnosis.warnings, *filter(None, said)))
-    progress("done", 1.0, "")
     return diagnosis
 
 
-def _in_stretches(diagnosis: Diagnosis, options: Options, progress: Progress) -> Diagnosis:
-    """The diagnosis of the stretches that a simulation follows, where the motion is unstable (``unstable_motion``) and
-    more than noise is left: a law that follows such a motion to the noise is the rig's.
+def _in_stretches(prepared: Prepared, cut: unstable_motion.Cut, options: Options, progress: Progress) -> Diagnosis:
+    """The diagnosis of the stretches of records along which the motion is unstable.
+
+    Over a short stretch under a controller many models follow the motion: the search begins with the one that showed
+    that it is unstable, and a spring is assumed where that one needs it.
     """
-    if not diagnosis.adequacy.material or (cut := stretches(diagnosis.extended, diagnosis.records)) is None:
-        return diagnosis
-    prepared = prepare(cut.records)
-    task = replace(_task(prepared, options, has_spring(prepared, options)), balanced=True)
-    found = diagnose_records(task, progress)
-    return replace(found, warnings=(cut.said, *found.warnings))
+    known = unstable_motion.weighed(cut)
+    said = needless_spring(known)
+    decision = Decision(not said, (said,) if said else ())
+    if options.model != "auto":
+        decision = Decision(options.model == "spring")
+    task = _task(unstable_motion.cut_into(prepared, cut), options, decision)
+    plant = known.model.without(*known.model.effect_names)
+    return diagnose_records(replace(task, plant=plant, balanced=True, known=known), progress)
 
 
 def _judged(diagnosis: Diagnosis) -> tuple[FitResult, str]:

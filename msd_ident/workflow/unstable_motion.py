@@ -15,38 +15,143 @@ import numpy as np
 
 from msd_ident.data.motion import observe
 from msd_ident.data.record import MINIMUM_SAMPLES, FloatArray, Record
-from msd_ident.estimate import FitResult
+from msd_ident.estimate import FitResult, Initial, fit
 from msd_ident.estimate.effort import A_SWING
-from msd_ident.estimate.levels import BEYOND_DOUBT, NATURAL_RANGE
+from msd_ident.estimate.formulation import formulate, regressed
+from msd_ident.estimate.levels import BEYOND_DOUBT, NATURAL_RANGE, TENTH
 from msd_ident.estimate.regression_init import starting_state
 from msd_ident.model import Model, Simulator
+from msd_ident.model.base_model import DryFriction
+from msd_ident.model.effects import LIBRARY, typical
 from msd_ident.tuning import fixed
+from msd_ident.workflow.preparation import Prepared, typical_plant
 
 _NUDGE = fixed(1e-7, "accuracy", "deviation, in parts of the motion, whose growth is followed: far above rounding")
 #: Units of velocity, in that of the motion's, in which a growth is looked at.
 _UNITS = tuple(10.0 ** np.arange(-1.0, 3.5, 0.5))
+#: Samples that tell a velocity.
+_FEW = int(A_SWING) // 2
 _PIECES = fixed(200, "resources", "pieces of a record, of which each pair of start and end is looked at")
 
 
 @dataclass(frozen=True)
-class Stretches:
-    """Records that a simulation follows.
+class Cut:
+    """Records as simulations follow them.
 
     Attributes:
-        records: the stretches, and the records that needed no cut.
-        said: a sentence on what was cut, and why.
+        whole: the records that were looked at. Their angles count from where the joint hangs: a stretch is too short to
+            tell where that is.
+        parts: of each its stretches; a record along which no motion is unstable alone.
+        model: whose motion is unstable there.
+        zeros: readings at which the joint hangs in each record [rad].
     """
 
-    records: tuple[Record, ...]
-    said: str
+    whole: tuple[Record, ...]
+    parts: tuple[tuple[Record, ...], ...]
+    model: Model
+    zeros: tuple[float, ...]
+
+    @property
+    def records(self) -> tuple[Record, ...]:
+        """All stretches."""
+        return tuple(part for parts in self.parts for part in parts)
+
+    @property
+    def said(self) -> str:
+        """A sentence on each record that was cut, and why."""
+        return " ".join(
+            f"The motion of {record.name} is unstable: what moves the joint a little moves it more than "
+            f"{NATURAL_RANGE:.0f} times as far later on, so no simulation follows the whole record. It was cut into "
+            f"{len(parts)} stretches, each with its own start. Angles count from where the joint hangs, "
+            f"{zero:.3g} {record.position_unit} by the encoder."
+            for record, parts, zero in zip(self.whole, self.parts, self.zeros, strict=True)
+            if parts[0] is not record
+        )
 
 
-def stretches(fitted: FitResult, records: Sequence[Record]) -> Stretches | None:
-    """The records, those cut along which the motion is unstable; None where it is nowhere.
+def by_regression(records: Sequence[Record]) -> Cut | None:
+    """The stretches of a joint that carries a weight, by a regression; None where no motion is unstable, or where
+    inertia, friction and that weight follow it to the noise.
 
-    A stretch ends where a deviation of the size of noise would grow beyond doubt; those in which nothing moves are left
-    out. Only a model with a weight that hangs on a joint is looked at: no other law of the library pushes away from a
-    place for long.
+    No simulation follows an unstable record, so a search of the whole may miss the weight. A regression of the force on
+    the motion needs none. Of its starts, the one that foretells the next readings best tells how a deviation grows.
+
+    Args:
+        records: prepared ones of one rig.
+    """
+    joint = _joint(records[0])
+    if joint is None:
+        return None
+    starts = [
+        (joint.with_values(start.values), tuple(zero for _, _, zero in start.initial))
+        for start in regressed(formulate(joint, tuple(records), (), "free"))
+    ]
+    if not starts:
+        return None
+    cut = _cut(*min(starts, key=lambda one: _missed(one[0], one[1], records)), records)
+    return cut if cut.said and not followed(weighed(cut), cut) else None
+
+
+def _joint(record: Record) -> Model | None:
+    """A joint of a record's size that carries a weight; None where the law cannot act."""
+    weights = [effect for effect in LIBRARY if effect.angular and effect.fits(record)]
+    if not weights:
+        return None
+    plant = typical_plant(record)
+    for weight in weights:
+        plant = plant + weight.guess(record, plant)[0]
+    return plant + DryFriction(TENTH**2 * typical.force(record, plant))
+
+
+def cut_into(prepared: Prepared, cut: Cut) -> Prepared:
+    """The same with the stretches in place of the records; what is known of those holds on. A stretch begins and ends
+    where it was cut, so no feature is read from it.
+    """
+    return replace(
+        prepared,
+        records=cut.records,
+        features=(),
+        form=None,
+        warnings=(cut.said, *prepared.warnings),
+        rest_before=(None,) * len(cut.records),
+        unheld=(),
+    )
+
+
+def beside_their_starts(records: Sequence[Record]) -> tuple[Record, ...]:
+    """Stretches less the straight line through each: a start of its own explains that without any force."""
+    found = []
+    for record in records:
+        time = record.time - record.time[0]
+        line = np.polyval(np.polyfit(time, record.position, 1), time)
+        found.append(replace(record, position=record.position - line))
+    return tuple(found)
+
+
+def weighed(cut: Cut) -> FitResult:
+    """The model by which records were cut, fitted to their stretches from where it stands."""
+    return fit(cut.model, cut.records, search="near", initial=[_started(part) for part in cut.records])
+
+
+def followed(fitted: FitResult, cut: Cut) -> bool:
+    """Whether a model of stretches with a weight, fitted to their records as a whole, leaves no more than noise: its
+    laws are the rig's.
+    """
+    whole = fit(fitted.model, cut.whole, search="near", initial=[_started(record) for record in cut.whole])
+    return whole.see**2 <= 2.0 * whole.noise_floor**2
+
+
+def _started(record: Record, zero: float = 0.0) -> Initial:
+    """The state at the first sample, from the first readings."""
+    position, velocity = starting_state(record, _FEW)
+    return Initial(position - zero, velocity, zero)
+
+
+def by_model(fitted: FitResult, records: Sequence[Record]) -> Cut | None:
+    """The stretches of records along which the motion of a fitted model is unstable; None where it is nowhere.
+
+    Only a model with a weight that hangs on a joint is looked at: no other law of the library pushes away from a place
+    for long.
 
     Args:
         fitted: the model of the rig.
@@ -54,46 +159,63 @@ def stretches(fitted: FitResult, records: Sequence[Record]) -> Stretches | None:
     """
     if not any(effect.angular for effect in fitted.model.effects):
         return None
-    found: list[Record] = []
-    said: list[str] = []
-    for record, start in zip(records, fitted.initial, strict=True):
-        pieces = _pieces(record)
-        turns = transitions(fitted.model, pieces, start.zero)
-        if not growth(turns) > NATURAL_RANGE:
-            found.append(record)
-            continue
-        parts = [part for part in _parts(record, pieces, _ends(turns)) if not observe(part).still]
-        found += parts
-        said.append(
-            f"The motion of {record.name} is unstable: what moves the joint a little moves it more than "
-            f"{NATURAL_RANGE:.0f} times as far later on, so no simulation follows the whole record. It was cut into "
-            f"{len(parts)} stretches, each with its own start."
-        )
-    return Stretches(tuple(found), " ".join(said)) if said and found else None
+    cut = _cut(fitted.model, tuple(start.zero for start in fitted.initial), records)
+    return cut if cut.said else None
 
 
-def transitions(model: Model, pieces: Sequence[Record], zero: float) -> list[FloatArray]:
+def _cut(model: Model, zeros: tuple[float, ...], records: Sequence[Record]) -> Cut:
+    pairs = zip(records, zeros, strict=True)
+    whole = tuple(replace(record, position=record.position - zero) for record, zero in pairs)
+    return Cut(whole, tuple(_stretches(model, record) for record in whole), model, zeros)
+
+
+def _stretches(model: Model, record: Record) -> tuple[Record, ...]:
+    """The stretches of a record that counts from the model's zero; the record alone where its motion is not unstable.
+
+    A stretch ends where a deviation of the size of noise would grow beyond doubt; those in which nothing moves are left
+    out.
+    """
+    pieces = _pieces(record)
+    turns = transitions(model, pieces)
+    if not growth(turns) > NATURAL_RANGE:
+        return (record,)
+    parts = _parts(record, pieces, _ends(turns))
+    return tuple(part for part in parts if not observe(part).still) or (record,)
+
+
+def transitions(model: Model, pieces: Sequence[Record]) -> list[FloatArray]:
     """How each piece of a record changes a small deviation from the measured motion, (2, 2): position and velocity at
     its end for those at its start, in parts of the motion's.
 
     Args:
         model: of the rig.
-        pieces: one after the other, each of which begins with the last sample of the one before.
-        zero: reading of the relaxed spring [m].
+        pieces: one after the other, each of which begins with the last sample of the one before. They count from the
+            model's zero.
     """
     position = np.concatenate([piece.position for piece in pieces])
-    velocity = [starting_state(piece, int(A_SWING) // 2)[1] for piece in pieces]
+    velocity = [starting_state(piece, _FEW)[1] for piece in pieces]
     length, speed = float(np.std(position)), float(np.std(velocity))
     if not (length > 0.0 and speed > 0.0):
         return []
     found = []
     for piece, fast in zip(pieces, velocity, strict=True):
-        simulator, place = Simulator(model, piece), float(piece.position[0]) - zero
+        simulator, place = Simulator(model, piece), float(piece.position[0])
         end = _end(simulator, place, fast)
         moved = (_end(simulator, place + _NUDGE * length, fast), _end(simulator, place, fast + _NUDGE * speed))
         columns = [(one - end) / (_NUDGE * np.array([length, speed])) for one in moved]
         found.append(np.nan_to_num(np.column_stack(columns), posinf=0.0, neginf=0.0))
     return found
+
+
+def _missed(model: Model, zeros: Sequence[float], records: Sequence[Record]) -> float:
+    """How far simulations of the pieces of records end from where the next ones begin, root of the sum of squares."""
+    missed = []
+    for record, zero in zip(records, zeros, strict=True):
+        pieces = _pieces(record)
+        starts = [_started(piece, zero) for piece in pieces]
+        for piece, start, after in zip(pieces, starts, starts[1:], strict=False):
+            missed.append(_end(Simulator(model, piece), start.position, start.velocity)[0] - after.position)
+    return float(np.linalg.norm(missed))
 
 
 def _end(simulator: Simulator, position: float, velocity: float) -> FloatArray:
