@@ -45,7 +45,7 @@ def check(
         residuals: of the best model that was found, one (n,) for each record.
         records: what it was fitted to.
         model: what the model holds, in words.
-        doubts: sentences on the units of the data, which the reader of a refusal sees nowhere else.
+        doubts: sentences on the units of the data, and on a cut, which the reader of a refusal sees nowhere else.
         diagnosed: whether other laws were looked for already.
 
     Raises:
@@ -56,7 +56,7 @@ def check(
         raise DataError(
             f"{model} explain {100.0 * max(share, 0.0):.0f} % of the position's variance; expected more than "
             f"{100.0 * LEAST:.0f} %, as else their values mean nothing: {_reasons(records, diagnosed)}"
-            + "".join(f"; also, {doubt}" for doubt in doubts)
+            + "".join(f"; also, {doubt[0].lower()}{doubt[1:]}" for doubt in doubts)
         )
 
 

@@ -62,8 +62,10 @@ def diagnose(
         if cut is not None:
             diagnosis = _in_stretches(prepared, cut, options, progress)
     judged, holds = _judged(diagnosis)
-    moved = diagnosis.records if cut is None else unstable_motion.beside_their_starts(diagnosis.records)
-    explained.check(judged.residuals, moved, holds, prepared.doubtful_units, diagnosed=True)
+    moved, doubts = diagnosis.records, prepared.doubtful_units
+    if cut is not None:
+        moved, doubts = unstable_motion.beside_their_starts(moved), (*doubts, cut.said)
+    explained.check(judged.residuals, moved, holds, doubts, diagnosed=True)
     progress("next experiment", 0.98, "")
     diagnosis = proposing(replace(diagnosis, turned=prepared.turned))
     if diagnosis.adequacy.material:
