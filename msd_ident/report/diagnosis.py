@@ -123,7 +123,7 @@ def calibration_table(diagnosis: Diagnosis) -> Table | None:
 
 def print_diagnosis(diagnosis: Diagnosis, console: Console) -> None:
     """Everything that a lab needs to act on a diagnosis."""
-    name = escape(" + ".join(record.name for record in diagnosis.records))
+    name = escape(words.records([record.name for record in diagnosis.records]))
     colour = _COLOURS[diagnosis.verdict]
     console.print(f"[bold]{name}[/bold]: [bold {colour}]{diagnosis.verdict}[/bold {colour}]")
     console.print(diagnosis.summary, markup=False)

@@ -16,6 +16,7 @@ from msd_ident.export import Export
 from msd_ident.external import Comparison
 from msd_ident.model.effects import structural
 from msd_ident.model.effects.law import DELAY
+from msd_ident.report import words
 from msd_ident.report.plots import Detail, ModelCurve, diagnosis_curves, identification_curves
 from msd_ident.report.sections.calibration import calibration
 from msd_ident.report.sections.causes import causes
@@ -69,7 +70,7 @@ class Article:
 
 
 def _names(records: Sequence[Record]) -> str:
-    return " + ".join(record.name for record in records)
+    return words.records([record.name for record in records])
 
 
 def _of_diagnosis(found: Diagnosis, provenance: Provenance | None, detail: Detail) -> Article:

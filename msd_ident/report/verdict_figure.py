@@ -56,7 +56,7 @@ def draw(diagnosis: Diagnosis) -> Figure:
 
 
 def _title(diagnosis: Diagnosis) -> str:
-    name = " + ".join(record.name for record in diagnosis.records)
+    name = words.records([record.name for record in diagnosis.records])
     return plain("\n".join(textwrap.wrap(f"{name}: {words.headline(diagnosis)}", 110)))
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
+from collections.abc import Sequence
 
 from msd_ident.diagnosis import Diagnosis
 from msd_ident.diagnosis import verdict as said
@@ -14,6 +15,16 @@ from msd_ident.model.parameters import PARAMETERS
 from msd_ident.report.tables import VERDICTS, WORDS
 
 __all__ = ["VERDICTS", "effect", "percent"]
+
+#: Most records whose names a title lists.
+_LISTED = 4
+
+
+def records(names: Sequence[str]) -> str:
+    """Names of records; of many, the first and the last, and how many there are."""
+    if len(names) <= _LISTED:
+        return " + ".join(names)
+    return f"{names[0]} … {names[-1]} ({len(names)} records)"
 
 
 def effects(names: str) -> str:

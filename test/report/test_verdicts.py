@@ -55,3 +55,12 @@ def test_where_laws_fit_alike_their_range_stands_in_the_place_of_one_interval() 
     section = parameters(found.records, columns, (), found.spread)
     assert [row[4] for row in section.context["rows"]][0] == "2.600 to 2.900"
     assert not parameters(found.records, columns, ()).context["ranges"]
+
+
+def test_a_title_names_few_records_and_counts_many() -> None:
+    assert words.records(["a.csv", "b.csv"]) == "a.csv + b.csv"
+    assert words.records([f"{n}.csv" for n in range(1, 23)]) == "1.csv … 22.csv (22 records)"
+    many = replace(diagnosed(), records=diagnosed().records[:1] * 6)
+    out = io.StringIO()
+    diagnosis.print_diagnosis(many, Console(file=out, width=200))
+    assert "(6 records): " in out.getvalue().splitlines()[0]
