@@ -66,11 +66,11 @@ def _pages(kept: Sequence[Kept], source: SourceOptions, output: results.Output) 
 
 
 def _figures(kept: Sequence[Kept], folder: Path, overwrite: bool) -> list[str]:
-    from msd_ident.report import figures
+    from msd_ident.report import figures, words
 
     lines = []
     for _, found in kept:
-        name = "+".join(record.name for record in found.records)
+        name = words.folder([record.name for record in found.records])
         target = folder / f"{name}{getattr(found, 'label', '')}".replace("/", "_")
         if target.is_dir():
             results.check_targets(overwrite, *figures.paths(found, target))

@@ -40,6 +40,7 @@ def _array(element: types.Type, axes: int) -> Any:
 
     @intrinsic
     def pointer(typing_context, address):
+        """The pointer that an address is."""
         del typing_context, address
 
         def code(context, builder, signature, arguments):

@@ -32,6 +32,7 @@ def plan(record: Record) -> Any:
     """What the record says before any parameter is known, for ``run``; made once for each record."""
 
     def made() -> Prepared:
+        """The plan in the form in which ``run`` takes it."""
         seen = record.from_origin()
         given = (seen.time, seen.force_time, seen.force, seen.hold == "linear")
         most = seen.time.size + seen.force_time.size

@@ -27,6 +27,13 @@ def records(names: Sequence[str]) -> str:
     return f"{names[0]} … {names[-1]} ({len(names)} records)"
 
 
+def folder(names: Sequence[str]) -> str:
+    """Name of a folder for these records; names of many together are longer than a file system takes."""
+    if len(names) <= _LISTED:
+        return "+".join(names)
+    return f"{names[0]}+{len(names) - 1}_more"
+
+
 def effects(names: str) -> str:
     """``Coulomb friction + quadratic drag`` for names joined by ``+``, as sets of causes are written."""
     return " + ".join(effect(name.strip()) for name in names.split("+"))

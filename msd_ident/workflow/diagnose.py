@@ -113,7 +113,7 @@ def _in_stretches(prepared: Prepared, cut: unstable_motion.Cut, options: Options
     Over a short stretch under a controller many models follow the motion: the search begins with the one that showed
     that it is unstable, and a spring is assumed where that one needs it.
     """
-    known = unstable_motion.weighed(cut)
+    known = cut.weighed
     said = needless_spring(known)
     decision = Decision(not said, (said,) if said else ())
     if options.model != "auto":

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -56,6 +57,11 @@ class Cut:
         """All stretches."""
         return tuple(part for parts in self.parts for part in parts)
 
+    @cached_property
+    def weighed(self) -> FitResult:
+        """The model fitted to the stretches, from where it stands."""
+        return fit(self.model, self.records, search="near", initial=[_started(part) for part in self.records])
+
     @property
     def said(self) -> str:
         """A sentence on each record that was cut, and why."""
@@ -88,8 +94,9 @@ def by_regression(records: Sequence[Record]) -> Cut | None:
     ]
     if not starts:
         return None
-    cut = _cut(*min(starts, key=lambda one: _missed(one[0], one[1], records)), records)
-    return cut if cut.said and not followed(weighed(cut), cut) else None
+    pieces = [_pieces(record) for record in records]
+    cut = _cut(*min(starts, key=lambda one: _missed(one[0], one[1], pieces)), records)
+    return cut if cut.said and not followed(cut.weighed, cut) else None
 
 
 def _joint(record: Record) -> Model | None:
@@ -126,11 +133,6 @@ def beside_their_starts(records: Sequence[Record]) -> tuple[Record, ...]:
         line = np.polyval(np.polyfit(time, record.position, 1), time)
         found.append(replace(record, position=record.position - line))
     return tuple(found)
-
-
-def weighed(cut: Cut) -> FitResult:
-    """The model by which records were cut, fitted to their stretches from where it stands."""
-    return fit(cut.model, cut.records, search="near", initial=[_started(part) for part in cut.records])
 
 
 def followed(fitted: FitResult, cut: Cut) -> bool:
@@ -207,13 +209,12 @@ def transitions(model: Model, pieces: Sequence[Record]) -> list[FloatArray]:
     return found
 
 
-def _missed(model: Model, zeros: Sequence[float], records: Sequence[Record]) -> float:
+def _missed(model: Model, zeros: Sequence[float], pieces: Sequence[Sequence[Record]]) -> float:
     """How far simulations of the pieces of records end from where the next ones begin, root of the sum of squares."""
     missed = []
-    for record, zero in zip(records, zeros, strict=True):
-        pieces = _pieces(record)
-        starts = [_started(piece, zero) for piece in pieces]
-        for piece, start, after in zip(pieces, starts, starts[1:], strict=False):
+    for of_one, zero in zip(pieces, zeros, strict=True):
+        starts = [_started(piece, zero) for piece in of_one]
+        for piece, start, after in zip(of_one, starts, starts[1:], strict=False):
             missed.append(_end(Simulator(model, piece), start.position, start.velocity)[0] - after.position)
     return float(np.linalg.norm(missed))
 

@@ -14,11 +14,12 @@ from effect_examples import EXAMPLES, example, model, plant, record
 from hypothesis import given
 from hypothesis import strategies as st
 
-from msd_ident.data.record import Record
+from msd_ident.data.record import Record, from_samples
 from msd_ident.errors import UsageError
 from msd_ident.model import Effect, Plant, Simulator, simulate
 from msd_ident.model.effects.actuator_lag import ActuatorLag
 from msd_ident.model.effects.backlash import Backlash
+from msd_ident.model.effects.cogging import Cogging
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.cubic_spring import CubicSpring
 from msd_ident.model.effects.end_stop import EndStop
@@ -266,6 +267,15 @@ def test_a_motion_that_runs_away_ends_as_nan_and_soon() -> None:
     x = simulate(whole, record(1000.0), 0.05, 1.0).position
     assert np.isnan(x[-1]) and not np.isnan(x[0])
     assert clock.perf_counter() - began < 30.0
+
+
+@pytest.mark.parametrize(("amplitude", "ends"), [(10.0, False), (1e3, True)])
+def test_a_run_of_ever_smaller_steps_is_given_up(amplitude: float, ends: bool) -> None:
+    """A thousand radians of a cogging's swing between two samples: no record shows them."""
+    time = np.linspace(0.0, 1.0, 20)
+    seldom = from_samples(time, np.zeros(20), np.zeros(20))
+    x = simulate(Plant(1.0, 0.0, 0.0) + Cogging(amplitude, 1e-3, 0.0), seldom, 3e-4).position
+    assert np.isfinite(x[0]) and np.isnan(x[-1]) == ends
 
 
 @pytest.mark.parametrize("values", [{"mass": 1e-9}, {"damping": 1e9}, {"stiffness": 1e12}, {"mass": 1e12}])

@@ -60,6 +60,8 @@ def test_where_laws_fit_alike_their_range_stands_in_the_place_of_one_interval() 
 def test_a_title_names_few_records_and_counts_many() -> None:
     assert words.records(["a.csv", "b.csv"]) == "a.csv + b.csv"
     assert words.records([f"{n}.csv" for n in range(1, 23)]) == "1.csv … 22.csv (22 records)"
+    assert words.folder(["a.csv", "b.csv"]) == "a.csv+b.csv"
+    assert words.folder([f"{n}.csv" for n in range(1, 23)]) == "1.csv+21_more"
     many = replace(diagnosed(), records=diagnosed().records[:1] * 6)
     out = io.StringIO()
     diagnosis.print_diagnosis(many, Console(file=out, width=200))

@@ -22,6 +22,8 @@ from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.end_stop import EndStop
 from msd_ident.model.effects.force_offset import ForceOffset
 from msd_ident.model.effects.periodic_disturbance import PeriodicDisturbance
+from msd_ident.model.effects.smooth_friction import SmoothFriction
+from msd_ident.model.effects.smooth_stribeck_friction import SmoothStribeckFriction
 from msd_ident.residuals.noise_model import of_record
 from msd_ident.selection.hypothesis import causes_that_fit, imitated, without
 from msd_ident.selection.hypothesis_fit import refine
@@ -37,6 +39,15 @@ def test_what_stops_and_a_play_come_to() -> None:
         assert imitated(model) == {play: Plant(1.0, 2.0, 400.0) + Backlash(width)}
     assert set(imitated(alone, alike=True)) == {play}
     assert imitated(beside, alike=True) == {} == imitated(Plant(1.0, 2.0, 0.0) + EndStop(2e-3, 0.0))
+
+
+@pytest.mark.parametrize(("peak", "alike"), [(0.3, True), (0.5, False)])
+def test_what_a_smooth_law_with_a_peak_that_is_none_comes_to(peak: float, alike: bool) -> None:
+    """It is not named as friction with a peak: a search fits the law without it too (``simpler_sets.reduced``)."""
+    model = Plant(1.0, 2.0, 400.0) + SmoothStribeckFriction(0.4, peak, 0.02, 2e-4)
+    smooth = {frozenset({"smooth_friction"}): Plant(1.0, 2.0, 400.0) + SmoothFriction(0.4, 2e-4)}
+    assert imitated(model) == smooth
+    assert imitated(model, alike=True) == (smooth if alike else {})
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])

@@ -47,7 +47,9 @@ TOLERANCE4, TOLERANCE5, TOLERANCE_ADAMS = 1e-7, 5e-8, 3e-8
 #: Steps are even when their lengths differ by no more than this part; and so little that they are the same but for
 #: rounding.
 _EVEN, _SAME = 1e-7, 1e-11
-#: Steps that a run may take: so many a segment, and so many on top. Beyond, the motion is given up as NaN.
+#: Steps that a run may take: so many a segment, and so many on top, which matter in short records. Beyond, the motion
+#: is given up as NaN. Measured: on stretches of 200 samples the simulations of a search took 365 s with 100 000 on top,
+#: and 130 s with these; of 104 drawn rigs the verdicts are the same.
 STEPS_A_SEGMENT, STEPS = 120, 10_000
 
 
