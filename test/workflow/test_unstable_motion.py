@@ -138,6 +138,7 @@ def test_a_record_is_followed_as_a_whole_where_nothing_disturbs_it(push: float) 
     cut = by_model(fitted(JOINT, Initial()), [record])
     assert cut is not None
     assert followed(fit(JOINT, cut.records), cut) == (push == 0.0)
+    assert (by_regression([record]) is None) == (push == 0.0), "what is followed needs no cut"
 
 
 @pytest.mark.parametrize("samples", [20, 39, 41, 500, 1000, 5000])
