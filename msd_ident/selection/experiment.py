@@ -37,6 +37,7 @@ class Experiment:
         fixed: base parameters that the data cannot give (stiffness without a spring, mass in a free decay).
         rests: stretches of the records in which the cart stands still, which the fits leave out.
         asked: the only causes in question; None for all of the library.
+        begun: whether the records are copies, and the search begins with sets that were fitted to the measured ones.
     """
 
     readings: tuple[Readings, ...]
@@ -44,6 +45,7 @@ class Experiment:
     fixed: frozenset[str]
     rests: tuple[Readings, ...] = ()
     asked: frozenset[str] | None = None
+    begun: bool = False
 
     @property
     def evidence(self) -> float:

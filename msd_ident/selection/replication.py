@@ -23,8 +23,9 @@ from msd_ident.selection.excitation import poor
 from msd_ident.selection.experiment import Experiment, formulated
 from msd_ident.selection.fitted_sets import Progress
 from msd_ident.selection.hypothesis import COULOMB, NOTHING, Causes, Hypothesis, causes_that_fit, without
-from msd_ident.selection.hypothesis_fit import refine
+from msd_ident.selection.hypothesis_fit import FAR, refine
 from msd_ident.selection.ranking import NEAR, Ranking, kinds
+from msd_ident.selection.structure_search import Remembered
 from msd_ident.selection.synthetic_records import Disturbed, Imagined, drawn, of_any_strength, whole
 from msd_ident.tuning import tuned
 
@@ -81,6 +82,8 @@ class Study:
         plain: the base model and the one with Coulomb friction, fitted: where a copy's diagnosis begins.
         scale: gives the variance in which parameters are known.
         disturbed: what is added to a copy's motion.
+        remembered: sets fitted to the record from which a copy's diagnosis begins too, where they leave far more than
+            noise: there the error has many minima, and to look for the right one in each copy took most of the time.
     """
 
     experiment: Experiment
@@ -89,6 +92,7 @@ class Study:
     plain: tuple[Hypothesis, ...]
     scale: NoiseScale
     disturbed: Disturbed
+    remembered: tuple[Remembered, ...]
 
     def copy(self, of: Explanation, number: tuple[int, int]) -> tuple[Imagined, tuple[Record, ...]]:
         """One copy of an explanation.
@@ -116,11 +120,11 @@ class Study:
         parts = [
             noise_model.of_record(made, part.noise, part.step) for made, part in zip(records, measured, strict=True)
         ]
-        experiment = replace(self.experiment, readings=tuple(parts))
+        experiment = replace(self.experiment, readings=tuple(parts), begun=bool(self.remembered))
         plain = tuple(refine(experiment, one.causes, one.model, one.initial) for one in self.plain)
         if judge(plain[0].residuals(), parts).consistent:
             return NOTHING
-        ranking = coarse_to_fine.search(experiment, (plain[0], plain[-1]), _silent)
+        ranking = coarse_to_fine.search(experiment, (plain[0], plain[-1]), _silent, self.remembered)
         return naming.leading(ranking).best.causes
 
 
@@ -240,7 +244,10 @@ def _study(experiment: Experiment, base: Hypothesis, ranking: Ranking, rows: Seq
     friction = [one for one in ranking.sets if one.causes == {COULOMB} <= asked]
     scale = scale_from(list(ranking.sets), experiment.readings)
     lead, thin = ranking.best, asking.thinned(SAMPLES)
-    return Study(asking, thin, lead, (base, *friction), scale, Disturbed.by(lead, experiment.readings))
+    far = lead.chi > FAR * experiment.evidence
+    begun = tuple((one.causes, one.model, one.initial) for one in ranking.sets if far and NOTHING < one.causes <= asked)
+    disturbed = Disturbed.by(lead, experiment.readings)
+    return Study(asking, thin, lead, (base, *friction), scale, disturbed, begun)
 
 
 def _asked(experiment: Experiment, rows: Sequence[Explanation]) -> frozenset[str]:

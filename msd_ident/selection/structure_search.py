@@ -232,9 +232,10 @@ class Search(FittedSets):
         """Fit sets again through observers (``observer``), if all sets leave far more than noise: with a cart that
         sticks they may be in wrong minima.
 
-        The leading sets, and those of one law that leave least.
+        The leading sets, and those of one law that leave least. Not in copies that
+        begin with what was fitted to the measured records.
         """
-        if self._least.chi < FAR * self.experiment.evidence:
+        if self._least.chi < FAR * self.experiment.evidence or self.experiment.begun:
             return
         alone = sorted((one for one in self.sets.values() if len(one.causes) == 1), key=lambda one: one.chi)
         ahead = {one.causes: one for one in (*self._fronts(self._leader()), *alone) if can_follow(one.model)}

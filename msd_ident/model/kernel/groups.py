@@ -304,6 +304,24 @@ class Run(NamedTuple):
     tolerances: Tolerances
 
 
+class Pace(NamedTuple):
+    """How segments are cut into even parts of one step each.
+
+    Attributes:
+        parts: their number, a power of 2.
+        part: the next one of the present segment, from 0.
+        since: segments done since their number changed.
+        patience: segments after which half as many are tried.
+        fewer: whether their number was halved last.
+    """
+
+    parts: int
+    part: int
+    since: int
+    patience: int
+    fewer: bool
+
+
 class Progress(NamedTuple):
     """How far a run is: state, direction, piece of the spring, longest steps, and the number of steps left."""
 
