@@ -8,6 +8,7 @@ it. Over a short stretch with a start of its own the deviation stays small, as i
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -19,7 +20,7 @@ from msd_ident.data.record import MINIMUM_SAMPLES, FloatArray, Record
 from msd_ident.estimate import FitResult, Initial, fit
 from msd_ident.estimate.effort import A_SWING
 from msd_ident.estimate.formulation import formulate, regressed
-from msd_ident.estimate.levels import BEYOND_DOUBT, NATURAL_RANGE, TENTH
+from msd_ident.estimate.levels import BEYOND_DOUBT, MOST_OF, NATURAL_RANGE, TENTH
 from msd_ident.estimate.regression_init import starting_state
 from msd_ident.model import Model, Simulator
 from msd_ident.model.base_model import DryFriction
@@ -60,7 +61,23 @@ class Cut:
     @cached_property
     def weighed(self) -> FitResult:
         """The model fitted to the stretches, from where it stands."""
-        return fit(self.model, self.records, search="near", initial=[_started(part) for part in self.records])
+        return self._fitted(self.model)
+
+    @cached_property
+    def needless(self) -> bool:
+        """Whether a model without the weight follows the stretches as well, and most of the whole records: then nothing
+        is unstable.
+
+        A regression finds a weight on an axis that stands upright, too, where that does what noise or a hidden mass do.
+        """
+        light = self.model.without(*(effect.name for effect in self.model.effects if effect.angular))
+        if self.weighed.see < MOST_OF * self._fitted(light).see:
+            return False
+        whole = fit(light, self.whole, search="near", initial=[_started(record) for record in self.whole])
+        return whole.see < MOST_OF**2 * float(np.std(np.concatenate([record.position - np.mean(record.position) for record in self.whole])))
+
+    def _fitted(self, model: Model) -> FitResult:
+        return fit(model, self.records, search="near", initial=[_started(part) for part in self.records])
 
     @property
     def said(self) -> str:
@@ -68,7 +85,7 @@ class Cut:
         return " ".join(
             f"The motion of {record.name} is unstable: what moves the joint a little moves it more than "
             f"{NATURAL_RANGE:.0f} times as far later on, so no simulation follows the whole record. It was cut into "
-            f"{len(parts)} stretches, each with its own start. Angles count from where the joint hangs, "
+            f"{len(parts)} {'stretches' if len(parts) > 1 else 'stretch'}, each with its own start. Angles count from where the joint hangs, "
             f"{zero:.3g} {record.position_unit} by the encoder."
             for record, parts, zero in zip(self.whole, self.parts, self.zeros, strict=True)
             if parts[0] is not record
@@ -96,7 +113,7 @@ def by_regression(records: Sequence[Record]) -> Cut | None:
         return None
     pieces = [_pieces(record) for record in records]
     cut = _cut(*min(starts, key=lambda one: _missed(one[0], one[1], pieces)), records)
-    return cut if cut.said and not followed(cut.weighed, cut) else None
+    return cut if cut.said and not (cut.needless or followed(cut.weighed, cut)) else None
 
 
 def _joint(record: Record) -> Model | None:
@@ -162,7 +179,7 @@ def by_model(fitted: FitResult, records: Sequence[Record]) -> Cut | None:
     if not any(effect.angular for effect in fitted.model.effects):
         return None
     cut = _cut(fitted.model, tuple(start.zero for start in fitted.initial), records)
-    return cut if cut.said else None
+    return cut if cut.said and not cut.needless else None
 
 
 def _cut(model: Model, zeros: tuple[float, ...], records: Sequence[Record]) -> Cut:
@@ -216,7 +233,7 @@ def _missed(model: Model, zeros: Sequence[float], pieces: Sequence[Sequence[Reco
         starts = [_started(piece, zero) for piece in of_one]
         for piece, start, after in zip(of_one, starts, starts[1:], strict=False):
             missed.append(_end(Simulator(model, piece), start.position, start.velocity)[0] - after.position)
-    return float(np.linalg.norm(missed))
+    return float(np.linalg.norm(missed)) if np.all(np.isfinite(missed)) else math.inf
 
 
 def _end(simulator: Simulator, position: float, velocity: float) -> FloatArray:

@@ -114,6 +114,37 @@ def test_a_regression_finds_the_weight_and_cuts_only_what_is_unstable() -> None:
     assert by_regression([replace(held_upright(6.0), position_unit="m")]) is None, "no joint"
 
 
+def led_on_the_level(seconds: float, hidden: float, seed: int) -> Record:
+    """An arm with an upright axis, led by a proportional controller, with a pendulum on it that nobody measures."""
+    rng = np.random.default_rng(seed)
+    time = np.arange(round(seconds / PERIOD)) * PERIOD
+    wanted = np.sign(np.sin(2.0 * math.pi * time / 3.0))
+    angle = speed = swing = rate = 0.0
+    angles, torques = [], []
+    for goal in wanted:
+        torque = 3.0 * (goal - angle)
+        angles.append(angle + 1e-5 * rng.standard_normal())
+        torques.append(torque)
+        for _ in range(4):
+            pulled = hidden * (60.0 * swing + 0.2 * rate)
+            speed += (torque - 0.4 * speed + pulled) / 0.06 * PERIOD / 4
+            rate -= (60.0 * swing + 0.2 * rate + (torque - 0.4 * speed + pulled) / 0.06) * PERIOD / 4
+            angle, swing = angle + speed * PERIOD / 4, swing + rate * PERIOD / 4
+    record = from_samples(time, np.array(torques), np.array(angles))
+    return replace(record, position_unit="rad", force_unit="N·m")
+
+
+@pytest.mark.parametrize("hidden", [0.0, 0.006])
+@pytest.mark.parametrize("seed", [1, 2])
+def test_an_arm_that_a_controller_leads_on_the_level_is_not_unstable(hidden: float, seed: int) -> None:
+    """The controller pulls to a place as a weight would push away from it: a regression calls that a weight."""
+    record = led_on_the_level(9.0, hidden, seed)
+    assert by_regression([record]) is None
+    weight = Plant(0.06, 0.4, 0.0) + Gravity(2.0)
+    cut = unstable_motion._cut(weight, (math.pi,), [record])
+    assert cut.said and cut.needless, "a weight is looked at, and does nothing"
+
+
 def test_what_is_known_of_the_records_holds_for_the_stretches() -> None:
     prepared = prepare([held_upright(6.0)])
     cut = by_regression(prepared.records)
