@@ -27,6 +27,7 @@ from msd_ident.residuals.noise_spectrum import NoiseSpectrum
 from msd_ident.residuals.ringdown import RingDown, ring_down
 from msd_ident.residuals.unexplained import JudgedModel, remainders
 from msd_ident.selection import (
+    doubts,
     gain_laws,
     identities,
     naming,
@@ -117,7 +118,7 @@ def _warned(task: Task, choice: Choice, shown: Hypothesis) -> tuple[str, ...]:
     said = task.warnings + identities.sentences(shown.model, task.forced, task.gain_known)
     if choice.best.causes != choice.ranking.best.causes:
         return said
-    return said + naming.other_forms(choice.ranking) + replication.left_unchecked(choice.ranking, choice.matrix)
+    return said + doubts.sentences(choice.ranking) + replication.left_unchecked(choice.ranking, choice.matrix)
 
 
 def _unnamed(ranking: Ranking, best: Hypothesis) -> str:

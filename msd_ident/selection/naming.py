@@ -7,23 +7,21 @@ leaves out: then the next that does not.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import replace
 
 from msd_ident.estimate.effort import KEPT
 from msd_ident.estimate.levels import MOST_OF, TENTH
-from msd_ident.model.effects import by_name, spoken
+from msd_ident.model.effects import by_name
 from msd_ident.selection.cross_validation import HeldOut, predict
 from msd_ident.selection.experiment import Experiment
-from msd_ident.selection.hypothesis import COULOMB, Causes, Hypothesis
+from msd_ident.selection.hypothesis import Causes, Hypothesis
 from msd_ident.selection.ranking import (
     CALLED,
-    CERTAIN_ODDS,
     DECISIVE,
     FAINT,
     ROUNDING,
     Ranking,
-    certain,
     kinds,
     probability_at,
     uncertain,
@@ -191,142 +189,6 @@ def without(ranking: Ranking, refused: Hypothesis) -> Ranking:
         evidence=tuple(ranking.evidence[i] for i in kept),
         probability=tuple(ranking.probability[i] / total if total > 0.0 else 1.0 / len(kept) for i in kept),
     )
-
-
-def _explaining(causes: Causes) -> str:
-    """``A explains``, or ``A and B explain``."""
-    return f"{' and '.join(spoken(name) for name in sorted(causes))} explain{'s' if len(causes) == 1 else ''}"
-
-
-def other_forms(ranking: Ranking) -> tuple[str, ...]:
-    """A sentence for each named cause that is not certain, with the reason: e.g. it may be another form of the law of
-    the others.
-    """
-    named = ranking.best.causes
-    unsure = [name for name in sorted(named) if not certain(ranking.of_cause(name))]
-    said = []
-    for name, part in sorted(ranking.further.get(named, {}).items()):
-        if name not in unsure:
-            continue
-        if first := sorted(one for one in named if name in ranking.curved_by(named, one)):
-            said.append(
-                f"{spoken(name)} and {' and '.join(map(spoken, first))} are curves over the position, and each "
-                "explains much that the others do not: together they come near any other curve, so none of them is "
-                "certain."
-            )
-            continue
-        rest = named - {name} or frozenset({COULOMB})  # alone it is compared with its own limit
-        said.append(
-            f"{spoken(name)} explains {max(100.0 * part, 1.0):.0f} % of what {_explaining(rest)}: another form of that "
-            "law could do the same, so it is not certain that it is a cause of its own."
-        )
-    if named in ranking.leaves:
-        said.append(
-            f"what is left is {100.0 * ranking.leaves[named]:.0f} % of what {_explaining(named)}: the rig follows "
-            "another law, so no named cause is certain."
-        )
-    said += [
-        f"what is left is {100.0 * part:.0f} % of what is left without {spoken(name)}, and may move like it, so it is "
-        "not certain."
-        for name, part in _unclear(ranking).items()
-    ]
-    said += [
-        f"hardly anything of {spoken(name)} is seen in motion: it holds the cart where it rests, and a force that acts "
-        "only while the drive is on, or off, could do the same, so it is not certain. Pull the cart slowly."
-        for name in unsure
-        if name in ranking.held.get(named, ())
-    ]
-    said += [*_slow(ranking, unsure), *_sampled(ranking, unsure), *_aging(ranking, unsure), *_steered(ranking, unsure)]
-    if ranking.balanced and unsure:
-        said.append(
-            "a controller holds an unstable motion, and what disturbs the rig moves its force too, which friction also "
-            "does: no cause is certain. Release the joint below its axis, or push it there."
-        )
-    if not ranking.rich:
-        said += [
-            f"over one decay {spoken(name)} moves like a sensor that settles, so it is not certain. Push again later "
-            "in the record."
-            for name in unsure
-            if by_name(name).creeps_as
-        ]
-    if ranking.foretold and (doubted := sorted(kinds(named) - ranking.called.keys())):
-        causes, are = " and ".join(map(spoken, doubted)), "is" if len(doubted) == 1 else "are"
-        said.append(f"left-out data calls for {causes}, but the evidence does not, so {causes} {are} not certain.")
-    return tuple(sentence[0].upper() + sentence[1:] for sentence in said)
-
-
-def _slow(ranking: Ranking, unsure: Sequence[str]) -> list[str]:
-    """Why named causes of which the records hold too few periods are not certain; empty where there are none."""
-    slow = [name for name in unsure if name in ranking.slow.get(ranking.best.causes, ())]
-    along = [name for name in slow if ranking.best.model.effect(name).repeats_after()]
-    return [
-        *(
-            f"the record is shorter than a period of {spoken(name)}: a slow change of another kind could do the same, "
-            "so it is not certain. Record longer."
-            for name in slow
-            if name not in along
-        ),
-        *(
-            f"the motion is shorter than two periods of {spoken(name)}, so it does not show that it repeats: a bend of "
-            "another kind could do the same, so it is not certain. Move further."
-            for name in along
-        ),
-    ]
-
-
-def _sampled(ranking: Ranking, unsure: Sequence[str]) -> list[str]:
-    """Why named causes that explain little under a force of few samples are not certain; empty where there are none."""
-    return [
-        f"{spoken(name)} explains no more than twice what the force may do between its samples, which is not measured: "
-        "it is not certain. Sample the force faster, or filter force and position alike."
-        for name in unsure
-        if name in ranking.sampled.get(ranking.best.causes, ())
-    ]
-
-
-def _steered(ranking: Ranking, unsure: Sequence[str]) -> list[str]:
-    """Why named laws that push back at a place are not certain under a controller; empty without one."""
-    return [
-        f"a controller brings the cart to the same places, so nothing tells {spoken(name)} from what holds the cart "
-        "there: it is not certain. Push with a force that does not depend on the position."
-        for name in unsure
-        if ranking.steered and by_name(name).is_spring()
-    ]
-
-
-def _aging(ranking: Ranking, unsure: Sequence[str]) -> list[str]:
-    """Why a named stiffness that changes with time is not certain; empty where none is named or nothing speaks against
-    it.
-    """
-    named = ranking.best.causes
-    if not any(by_name(name).ages_spring() for name in unsure):
-        return []
-    if not ranking.rich:
-        return [
-            "in this motion the amplitude changes with time, so a stiffness that changes with time may be one that "
-            "changes with the amplitude: it is not certain. Push again later in the record, with the same force."
-        ]
-    if named in ranking.exact:
-        return []
-    return [
-        "more than noise is left, so a mass that changes with time could do what a stiffness that changes with time "
-        "does: it is not certain. Weigh the moving mass before and after."
-    ]
-
-
-def _unclear(ranking: Ranking) -> dict[str, float]:
-    """Named causes that are not certain because of what the leading set leaves, each with the rms of that as a part of
-    what is left without the cause.
-    """
-    named = ranking.best.causes
-    if named in ranking.exact or named in ranking.leaves:
-        return {}
-    told = ranking.further.get(named, {})
-    return {
-        name: 1.0 / math.sqrt(1.0 + clear)
-        for name, clear in sorted(ranking.clear.get(named, {}).items())
-        if name not in told and clear < CERTAIN_ODDS and not certain(ranking.of_cause(name))
-    }
 
 
 def chances(ranking: Ranking) -> dict[Causes, float]:

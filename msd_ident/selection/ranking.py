@@ -256,9 +256,10 @@ class Ranking:
         than what it explains over what is left (``clear``), but not less than ``FORM_ODDS`` allows; of one that
         explains less than is left, its usual odds, even for most. More than these count only as far as it
         explains more than is left. In a poor experiment the amplitude falls with time, so that no stiffness
-        that changes with time is certain: it may change with the amplitude. Nor is it where more than noise is
-        left: a mass that changes with time moves nearly alike. Nor is what may be another shape of the other
-        laws, or of the controller's (``steered``), nor a cause of a set that leaves much (``leaves``). A law of
+        and no friction that changes with time is certain: it may change with the amplitude. Nor is the stiffness
+        where more than noise is left: a mass that changes with time moves nearly alike. Nor is what may be another
+        shape of the other laws, or of the controller's (``steered``), nor a cause of a set that leaves much
+        (``leaves``). A law of
         another cause that gives the same motion (``alike``) is as likely, or more by what it is likelier before
         any data. As likely is what the force may do between its samples (``sampled``), another shape of a drift
         in the place of a law that is slower than the record beside it, and, in a poor experiment, another shape
@@ -269,7 +270,7 @@ class Ranking:
         if (twin := effect.creeps_as if not self.rich else "") and by_name(twin).cause() not in among:
             beside = by_name(twin).cause() in kinds(causes - {law})
             odds = min(odds, 1.0 if beside else CERTAIN_ODDS)
-        aged = effect.ages_spring() and not plain
+        aged = (effect.ages() and not self.rich) or (effect.ages_spring() and not plain)
         same_motion = self.alike.get(causes, {}).get(law)
         if same_motion and by_name(same_motion).cause() not in among:
             odds = min(odds, self._prior_beside_twin(causes, law))

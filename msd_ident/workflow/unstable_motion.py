@@ -74,7 +74,8 @@ class Cut:
         if self.weighed.see < MOST_OF * self._fitted(light).see:
             return False
         whole = fit(light, self.whole, search="near", initial=[_started(record) for record in self.whole])
-        return whole.see < MOST_OF**2 * float(np.std(np.concatenate([record.position - np.mean(record.position) for record in self.whole])))
+        moved = [record.position - np.mean(record.position) for record in self.whole]
+        return whole.see < MOST_OF**2 * float(np.std(np.concatenate(moved)))
 
     def _fitted(self, model: Model) -> FitResult:
         return fit(model, self.records, search="near", initial=[_started(part) for part in self.records])
@@ -85,8 +86,8 @@ class Cut:
         return " ".join(
             f"The motion of {record.name} is unstable: what moves the joint a little moves it more than "
             f"{NATURAL_RANGE:.0f} times as far later on, so no simulation follows the whole record. It was cut into "
-            f"{len(parts)} {'stretches' if len(parts) > 1 else 'stretch'}, each with its own start. Angles count from where the joint hangs, "
-            f"{zero:.3g} {record.position_unit} by the encoder."
+            f"{len(parts)} stretch{'es' if len(parts) > 1 else ''}, each with its own start. Angles count from where "
+            f"the joint hangs, {zero:.3g} {record.position_unit} by the encoder."
             for record, parts, zero in zip(self.whole, self.parts, self.zeros, strict=True)
             if parts[0] is not record
         )

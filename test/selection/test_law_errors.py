@@ -17,7 +17,7 @@ from msd_ident.model.effects.sensor_eccentricity import SensorEccentricity
 from msd_ident.model.effects.sensor_nonlinearity import SensorNonlinearity
 from msd_ident.model.effects.stribeck_friction import StribeckFriction
 from msd_ident.residuals.noise_spectrum import NoiseSpectrum
-from msd_ident.selection import naming
+from msd_ident.selection import doubts
 from msd_ident.selection.evidence import scale_from
 from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.ordering import rank
@@ -102,7 +102,7 @@ def test_another_law_of_friction_is_not_certain_within_the_error_of_coulombs(
     )
     assert found.best.causes == {"stribeck_friction"}
     assert found.of_cause("stribeck_friction") == pytest.approx(sure, abs=1e-3)
-    (said,) = naming.other_forms(found) or ("",)
+    (said,) = doubts.sentences(found) or ("",)
     assert ("of what Coulomb friction explains: another form of that law" in said) is (sure < 1.0)
 
 
@@ -208,7 +208,7 @@ def test_of_two_springs_that_both_explain_much_none_is_certain_where_more_is_lef
     assert found.best.causes == {"cubic_spring", "end_stop"}
     for name in ("cubic_spring", "end_stop"):
         assert found.of_cause(name) == pytest.approx(1.0 if sure else 0.75, abs=0.02)
-    said = [one for one in naming.other_forms(found) if "come near any other curve" in one]
+    said = [one for one in doubts.sentences(found) if "come near any other curve" in one]
     assert len(said) == (not sure)
 
 

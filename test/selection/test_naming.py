@@ -10,7 +10,7 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from msd_ident.selection import naming, ties
+from msd_ident.selection import doubts, naming, ties
 from msd_ident.selection.cross_validation import HeldOut
 from msd_ident.selection.hypothesis import Hypothesis
 from msd_ident.selection.ranking import CERTAIN, DECISIVE, Ranking
@@ -82,29 +82,6 @@ def test_a_set_that_predicts_nothing_takes_its_probability_with_it() -> None:
     assert found.of_cause("hysteresis") == pytest.approx(0.8) and found.of_cause("cogging") == 0.0
 
 
-def test_what_may_be_another_form_is_told_with_its_part() -> None:
-    one = ranking({("backlash", "cogging"): 1.0, ("backlash",): 1e-9})
-    told = naming.other_forms(replace(one, further={frozenset({"backlash", "cogging"}): {"cogging": 0.084}}))
-    assert told == (
-        "Cogging explains 8 % of what backlash explains: another form of that law could do the same, so it is not "
-        "certain that it is a cause of its own.",
-    )
-    assert naming.other_forms(one) == ()
-    three = frozenset({"bouc_wen", "cogging", "quadratic_drag"})
-    (told,) = naming.other_forms(replace(ranking({tuple(three): 1.0}), further={three: {"cogging": 0.084}}))
-    assert told.startswith("Cogging explains 8 % of what Bouc-Wen and quadratic drag explain: ")
-
-
-@pytest.mark.parametrize(("clear", "said"), [(5.0, 1), (60.0, 0)])
-def test_what_is_certain_is_not_told_to_be_uncertain(clear: float, said: int) -> None:
-    """Drag that stands out of the noise sixty times is named with 98 %, however little of the friction it is."""
-    pair = frozenset({"coulomb_friction", "quadratic_drag"})
-    found = replace(ranking({tuple(pair): 1.0}), rich=True, exact=frozenset({pair}))
-    found = replace(found, further={pair: {"quadratic_drag": 0.03}}, clear={pair: {"quadratic_drag": clear}})
-    assert (found.of_cause("quadratic_drag") > CERTAIN) is (said == 0)
-    assert len(naming.other_forms(found)) == said
-
-
 def test_without_what_may_be_another_form_the_others_have_the_probability_that_it_does_not_act() -> None:
     """For parameters that differ between them: by their evidence alone they would have none."""
     both = frozenset({"backlash", "cogging"})
@@ -131,7 +108,7 @@ def test_a_law_that_leaves_little_is_tried_where_the_leader_leaves_more_than_it_
     """As the evidence does not call for it, it is not certain: at most 9 to 1 where only noise is left, else even."""
     found = left_over((), {(): 1e4, ("coulomb_friction",): 9.9e3, ("cogging",): 98.0})
     assert found.best.causes == {"cogging"} and found.of_cause("cogging") == pytest.approx(CERTAIN)
-    assert "evidence does not" in naming.other_forms(found)[-1]
+    assert "evidence does not" in doubts.sentences(found)[-1]
     found = left_over(("coulomb_friction",), {(): 1e4, ("coulomb_friction",): 7e3, ("cogging",): 1.5e3})
     assert found.best.causes == {"cogging"} and found.of_cause("cogging") == pytest.approx(0.5)
     found = left_over(("hysteresis",), {(): 3e5, ("hysteresis",): 9e4, ("cogging",): 800.0})
@@ -156,7 +133,7 @@ def test_what_the_evidence_calls_for_too_is_as_sure_as_before(rich: bool, sure: 
     assert found is not None and found.best.causes == set(pair)
     assert found.of_cause("quadratic_drag") == pytest.approx(sure)
     assert found.of_cause("periodic_disturbance") == pytest.approx(0.5)
-    said = naming.other_forms(found)[-1]
+    said = doubts.sentences(found)[-1]
     assert said.startswith("Left-out data calls for periodic disturbance, but the evidence does not, so periodic")
 
 
@@ -227,58 +204,6 @@ def test_a_set_that_left_out_data_bring_to_the_lead_predicts_better_than_the_one
     asked = cast(Any, SimpleNamespace(evidence=100.0))
     _, best, heldout = naming.predicting(asked, base, replace(given, sets=sets))
     assert best.causes == ({"cogging"} if beats else {"coulomb_friction"}) and heldout.better
-
-
-@pytest.mark.parametrize(("name", "rich", "sure"), [
-    ("stiffness_drift", False, CERTAIN), ("settling_stiffness", False, CERTAIN), ("stiffness_drift", True, 1.0),
-    ("cubic_spring", False, 1.0), ("sensor_drift", False, 1.0),
-])  # fmt: skip
-def test_over_one_decay_no_stiffness_that_changes_with_time_is_certain(name: str, rich: bool, sure: float) -> None:
-    """A spring that bends does the same: the amplitude falls with time."""
-    found = replace(ranking({(name,): 1.0}), rich=rich, exact=frozenset({frozenset({name})}))
-    assert found.of_cause(name) == pytest.approx(sure)
-    said = any("may be one that changes with the amplitude" in one for one in naming.other_forms(found))
-    assert said is (sure < 1.0)
-
-
-@pytest.mark.parametrize(("beside", "rich", "sure"), [
-    ((), False, CERTAIN), ((), True, 1.0), (("sensor_drift",), False, 0.5), (("sensor_drift",), True, 1.0),
-])  # fmt: skip
-def test_over_one_decay_a_law_that_creeps_may_be_a_sensor_that_settles(
-    beside: tuple[str, ...], rich: bool, sure: float
-) -> None:
-    """Of 23 such springs that releases were given with up to 0.9 none was there: a sensor settled, or missed counts.
-    Beside a drift of the sensor it may be nothing but another shape of that.
-    """
-    found = replace(ranking({("relaxing_spring", *beside): 1.0}), rich=rich)
-    assert found.of_cause("relaxing_spring") == pytest.approx(sure)
-    assert found.of_cause("sensor_drift") == (1.0 if beside else 0.0)
-    said = " ".join(naming.other_forms(found))
-    assert ("Over one decay relaxing spring moves like a sensor that settles" in said) is not rich
-    assert "stiffness" not in said and "mass" not in said
-
-
-@pytest.mark.parametrize(("name", "steered", "sure"), [
-    ("end_stop", True, CERTAIN), ("cubic_spring", True, CERTAIN), ("end_stop", False, 1.0),
-    ("coulomb_friction", True, 1.0), ("force_gain_nonlinearity", True, 1.0),
-])  # fmt: skip
-def test_under_a_controller_no_law_that_pushes_back_at_a_place_is_certain(
-    name: str, steered: bool, sure: float
-) -> None:
-    """A torsion disc under a position controller, held by friction near its setpoint, had "an end stop" with 0.95."""
-    found = replace(ranking({(name,): 1.0}), steered=steered, exact=frozenset({frozenset({name})}))
-    assert found.of_cause(name) == pytest.approx(sure)
-    said = any("A controller brings the cart to the same places" in one for one in naming.other_forms(found))
-    assert said is (sure < 1.0)
-
-
-@pytest.mark.parametrize(("exact", "sure"), [(False, CERTAIN), (True, 1.0)])
-def test_where_more_than_noise_is_left_it_may_be_the_mass_that_changes(exact: bool, sure: float) -> None:
-    found = replace(ranking({("stiffness_drift",): 1.0}), rich=True)
-    found = replace(found, exact=frozenset({frozenset({"stiffness_drift"})} if exact else ()))
-    assert found.of_cause("stiffness_drift") == pytest.approx(sure)
-    said = any("a mass that changes with time could do" in one for one in naming.other_forms(found))
-    assert said is not exact
 
 
 def test_the_likeliest_set_that_leaves_much_less_is_known_though_it_does_not_lead() -> None:

@@ -33,7 +33,7 @@ from msd_ident.model.effects.sensor_eccentricity import SensorEccentricity
 from msd_ident.model.effects.smooth_friction_turn import SmoothFrictionTurn
 from msd_ident.model.effects.stribeck_friction import StribeckFriction
 from msd_ident.model.effects.two_tone_disturbance import TwoToneDisturbance
-from msd_ident.selection import naming, ties
+from msd_ident.selection import doubts, ties
 from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.ranking import CERTAIN, CERTAIN_ODDS, Ranking, certain
 
@@ -121,7 +121,7 @@ def test_a_law_that_leaves_much_of_what_it_explains_is_not_certain(
     )
     assert found.best.causes == {"quadratic_drag"}
     assert found.of_cause("quadratic_drag") == pytest.approx(sure, abs=0.03)
-    (said,) = naming.other_forms(found) or ("",)
+    (said,) = doubts.sentences(found) or ("",)
     assert ("% of what quadratic drag explains: the rig follows another law" in said) is (sure < 1)
     assert said.startswith("What is left is 31 % of") is (left == 30.0)
 
@@ -171,7 +171,7 @@ def test_a_cause_is_no_surer_than_it_stands_out_of_what_the_set_leaves(
     )
     assert found.best.causes == {"coulomb_friction", "quadratic_drag"}
     assert found.of_cause("quadratic_drag") == pytest.approx(odds / (1.0 + odds), abs=0.01)
-    said = any("of what is left without quadratic drag" in one for one in naming.other_forms(found))
+    said = any("of what is left without quadratic drag" in one for one in doubts.sentences(found))
     assert said is (odds < CERTAIN_ODDS)
 
 
@@ -232,7 +232,7 @@ def test_a_motion_of_which_the_record_holds_less_than_a_period_is_not_certain(ex
             )
             assert found.best.causes == {effect.name}
             assert found.of_cause(effect.name) == pytest.approx(sure, abs=0.01)
-            said = any("shorter than a period of" in one for one in naming.other_forms(found))
+            said = any("shorter than a period of" in one for one in doubts.sentences(found))
             assert said is (sure < 1.0)
     assert QuadraticDrag(1.0).longest_period() == 0.0
     tones = TwoToneDisturbance(1.0, 2.0 * math.pi, 0.0, 1.0, 0.1 * math.pi, 0.0)
@@ -296,7 +296,7 @@ def test_what_is_not_seen_to_repeat_along_the_travel_is_not_certain(experiment: 
             }
         )
         assert found.of_cause(effect.name) == pytest.approx(1.0 if turns > 2.0 else CERTAIN, abs=0.01)
-        said = any("does not show that it repeats" in one for one in naming.other_forms(found))
+        said = any("does not show that it repeats" in one for one in doubts.sentences(found))
         assert said is (turns < 2.0)
     assert QuadraticDrag(1.0).repeats_after() == PeriodicDisturbance(0.1, 5.0, 0.0).repeats_after() == 0.0
 
@@ -322,7 +322,7 @@ def test_friction_of_which_hardly_anything_is_seen_in_motion_is_not_certain(
     )
     assert found.best.causes == {effect.name}
     assert found.of_cause(effect.name) == pytest.approx(1.0 if sure else CERTAIN, abs=0.01)
-    assert any("holds the cart where it rests" in one for one in naming.other_forms(found)) is not sure
+    assert any("holds the cart where it rests" in one for one in doubts.sentences(found)) is not sure
 
 
 def test_a_small_further_spring_is_not_certain_even_where_only_noise_is_left(experiment: Experiment) -> None:
@@ -352,7 +352,7 @@ def test_where_the_rig_follows_another_law_sets_that_leave_hardly_less_make_no_c
     told = replace(plain, leaves={rub.causes: 0.3})
     assert plain.of_cause("coulomb_friction") == pytest.approx(1.0)
     assert told.of_cause("coulomb_friction") <= CERTAIN + 1e-12
-    assert any("so no named cause is certain" in said for said in naming.other_forms(told))
+    assert any("so no named cause is certain" in said for said in doubts.sentences(told))
 
 
 def test_of_two_laws_that_give_the_same_motion_each_is_as_likely_as_the_other(experiment: Experiment) -> None:

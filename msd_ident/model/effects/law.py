@@ -126,6 +126,11 @@ class Law:
     measured_by: ClassVar[str] = ""
 
     @classmethod
+    def ages(cls) -> bool:
+        """Whether it changes the linear spring, or what takes energy out, with time."""
+        return not cls.steady and (cls.needs_spring or cls.dissipative)
+
+    @classmethod
     def ages_spring(cls) -> bool:
         """Whether it changes the linear spring with time."""
         return cls.needs_spring and not cls.steady
