@@ -143,7 +143,8 @@ def _decided_again(decision: Decision, found: Diagnosis) -> Decision | None:
     """The other decision on the spring, where the diagnosed model speaks against the one that two fits made."""
     if not decision.doubtful:
         return None
-    said = needless_spring(found.extended) if decision.sprung else hidden_spring(found.extended, found.records)
+    left = found.left if found.adequacy.material else None
+    said = needless_spring(found.extended, left) if decision.sprung else hidden_spring(found.extended, found.records)
     return Decision(not decision.sprung, (said,)) if said else None
 
 

@@ -24,6 +24,7 @@ from msd_ident.model import Model
 from msd_ident.model.base_model import DryFriction, Offset
 from msd_ident.model.effects import spoken
 from msd_ident.quantity import Z95, Quantity
+from msd_ident.residuals.unexplained import Remainders
 from msd_ident.tuning import fixed
 from msd_ident.workflow import known_parameters
 from msd_ident.workflow.explained_motion import percent_text
@@ -152,17 +153,29 @@ def hidden_spring(found: FitResult, records: tuple[Record, ...]) -> str:
     )
 
 
-def needless_spring(found: FitResult) -> str:
+def needless_spring(found: FitResult, left: Remainders | None = None) -> str:
     """A sentence if the model of a diagnosis with a spring leaves open whether there is one, else nothing.
 
-    Two fits took what the model lacked, such as friction with a curve, for a spring.
+    Two fits took what the model lacked, such as friction with a curve, for a spring. Beside a missing force that may be
+    as large as the spring's, the interval of its stiffness says nothing: it is that of a model that is right.
 
     Args:
         found: the model of a diagnosis with a spring.
+        left: what that model leaves, if the record shows it.
     """
     stiffness = found.quantities["stiffness"]
     if stiffness.known and stiffness.low > 0.0:
-        return ""
+        if left is None:
+            return ""
+        carried, missing = stiffness.value * left.motion_rms, left.extended
+        if not carried < missing.force_interval[1]:
+            return ""
+        return (
+            "No response shows a spring, and none is assumed: beside the causes that a diagnosis finds, it would carry "
+            f"{carried:.2g} {left.force_unit} rms, which the force that was still missing, {missing.force:.2g} "
+            f"{left.force_unit} rms ({missing.force_interval[0]:.2g} to {missing.force_interval[1]:.2g}), may be. If "
+            "there is one, use --model spring."
+        )
     fitted = f"is {stiffness.value:.3g} ± {Z95 * stiffness.std:.2g} {stiffness.unit} (95 %)" if stiffness.known else ""
     return (
         f"No response shows a spring, and none is assumed: beside the causes that a diagnosis finds, its stiffness "

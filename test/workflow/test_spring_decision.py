@@ -6,6 +6,8 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -18,6 +20,7 @@ from msd_ident.io import SourceOptions, read
 from msd_ident.model import Plant, simulate
 from msd_ident.model.effects.gravity import Gravity
 from msd_ident.quantity import Quantity
+from msd_ident.residuals.unexplained import Remainder, Remainders
 from msd_ident.workflow import pipeline, spring_decision
 from msd_ident.workflow.identification import Identification
 from msd_ident.workflow.preparation import prepare, typical_plant
@@ -284,3 +287,22 @@ def test_a_spring_that_only_curved_friction_calls_for_is_taken_back(
         "No response shows a spring, and none is assumed: beside the causes that a diagnosis finds, "
     )
     assert said.endswith(" (95 %). If there is one, use --model spring.")
+
+
+@pytest.mark.parametrize(("missing", "seen", "needless"), [
+    ((0.09, 0.11), True, True), ((0.09, 0.11), False, False), ((0.05, 0.08), True, False),
+])  # fmt: skip
+def test_a_spring_that_may_be_the_missing_force_is_not_assumed(
+    missing: tuple[float, float], seen: bool, needless: bool
+) -> None:
+    """A cart under a controller was given 4.9 ± 3.2 V/m, and a mass a third too large, beside a force of that size."""
+    found = SimpleNamespace(quantities={"stiffness": Quantity(4.9, 1.6, "V/m")})
+    remainder = Remainder(missing[0], (0.5 * missing[0], missing[1]), 11.0, 1.2, True)
+    left = Remainders(remainder, remainder, "applied force", 0.85, "V", 0.02, 0.01)
+    said = spring_decision.needless_spring(cast(Any, found), left if seen else None)
+    assert (said != "") is needless
+    if needless:
+        assert said.endswith(
+            "it would carry 0.098 V rms, which the force that was still missing, 0.09 V rms (0.045 to 0.11), may be. "
+            "If there is one, use --model spring."
+        )
