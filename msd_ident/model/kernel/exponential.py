@@ -26,6 +26,8 @@ STIFF = 3.0
 #: The same beside laws that depend on the speed, whose forces change within m/b after a jump of the force: until the
 #: cart creeps again, the steps are short by either method.
 STIFF_BESIDE = 50.0
+#: A cart creeps where its acceleration is less than this part of what the rate takes from its velocity.
+_CREEPING = 0.1
 #: Change of the velocity by which the rate is told, in parts of it.
 _SLIGHT = 1e-4
 #: Least rate, in parts of b/m: a friction that falls with the speed may take the damping away.
@@ -49,9 +51,16 @@ def is_stiff(cart, length):
 
 @lean
 def becomes_stiff(phase, t, left, start):
-    """The same by what other laws, and a second mass, add to the damping, where any does."""
+    """The same by what other laws, and a second mass, add to the damping, where any does.
+
+    Much sooner while the cart creeps: then what stops it and what drives it are all but equal.
+    """
     cart = phase.world.cart
-    return (cart.active & places.SPEED_BITS or cart.m2 > 0.0) and _rate(phase, t, start) * left > STIFF_BESIDE
+    if not (cart.active & places.SPEED_BITS or cart.m2 > 0.0):
+        return False
+    rate = _rate(phase, t, start)
+    creeps = abs(start.a) < _CREEPING * rate * abs(start.v)
+    return rate * left > (STIFF if creeps else STIFF_BESIDE)
 
 
 @lean

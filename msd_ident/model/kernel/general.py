@@ -15,7 +15,7 @@ import math
 from msd_ident.model.kernel import laws, places
 from msd_ident.model.kernel.adams import FEWEST, PAST, step_adams
 from msd_ident.model.kernel.compiled import give_up, inlined, joined, lean
-from msd_ident.model.kernel.exponential import is_stiff, second_is_stiff, step_exponential
+from msd_ident.model.kernel.exponential import becomes_stiff, is_stiff, second_is_stiff, step_exponential
 from msd_ident.model.kernel.groups import (
     Drive,
     Longest,
@@ -129,6 +129,12 @@ def _alone(
 
 
 @inlined
+def _asks_speed(cart):
+    """Whether a force changes with the speed in another way than damping does."""
+    return (cart.active & places.SPEED_BITS) != 0
+
+
+@inlined
 def _meets_event(s, piece, h, start):
     """Whether the cart seems to turn or to leave its piece of the spring within a time h: a parabola does."""
     ahead = start.x + h * (start.v + 0.5 * h * start.a)
@@ -187,9 +193,8 @@ def _cruise(run, j, segments, progress, path):
     state, s, i, (longest4, longest5), budget = progress
     (world, p, w, k), spring = run.world, piece_of(run.spring, i)
     elastic, length, decay = spring.elastic, segments.length, segments.decay
-    tolerances, second, gripped = run.tolerances, world.m2 > 0.0, (world.active & places.GRIP_BITS) != 0
-    most = 1 if world.active & places.SECOND_BITS else MOST_PARTS
-    speedy = run.quick or (world.active & places.SPEED_BITS) != 0
+    tolerances, second = run.tolerances, world.m2 > 0.0
+    most, speedy = 1 if world.active & places.SECOND_BITS else MOST_PARTS, run.quick or _asks_speed(world)
     known, before, even, half, faded = 0, 0.0, 0.0, 1.0, 1.0
     past = past_c = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     pace, begun, first = Pace(1, 0, 0, 1, False), state, j
@@ -225,11 +230,12 @@ def _cruise(run, j, segments, progress, path):
                 longest4, longest5, tolerances, k,
             )  # fmt: skip
         end = State(x1, v1, a1, y1, u1, c1)
-        if not (accurate or turns) and pace.parts < most and left > longest5 and (j == first or _was_cut(pace)):
+        phase = Phase(run.world, spring, drive, left, s)
+        again = pace.parts < most and left > longest5 and (j == first or _was_cut(pace))
+        if not (accurate or turns) and again and not becomes_stiff(phase, 0.0, left, here):
             pace, state = _shorter(pace), begun
             continue
-        over = not accurate or (run.eventful and not calm(s, spring, a, end))
-        if over or (gripped and lets_go(Phase(run.world, spring, drive, left, s), 0.0, left, here, end)):
+        if not accurate or (run.eventful and not calm(s, spring, a, end)) or lets_go(phase, 0.0, left, here, end):
             break
         past, past_c = _later(a, past), _later(c, past_c) if second else past_c
         known, state, pace, faded = min(known + 1, PAST), end, _onward(pace), faded * half * half
