@@ -20,6 +20,7 @@ def over(
 
     A set that leaves more than noise has other values where it fits its readings best, each weighted by its noise, and
     where it simulates with the least error. The stated model is a fit of the second kind, so the others are too.
+    A parameter that the data leaves open has no range: that of the values at which the fits happen to end says nothing.
 
     Args:
         stated: the extended model.
@@ -29,7 +30,7 @@ def over(
     """
     models = [stated.model, *(one.model if exact else _simulating(one, shared) for one in others)]
     unknown = frozenset() if scale_known(stated.quantities) else FORCES
-    fixed = {name for name, quantity in stated.quantities.items() if quantity.std == 0.0}
+    fixed = {name for name, quantity in stated.quantities.items() if quantity.std == 0.0 or not quantity.known}
     found = spread.between(models)
     return {name: ends for name, ends in found.items() if name not in fixed and name not in unknown}
 

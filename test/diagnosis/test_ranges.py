@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import io
+import math
 from collections.abc import Callable
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
@@ -12,8 +15,10 @@ from reportrigs import diagnosed
 from rich.console import Console
 
 from msd_ident.data.record import Record
-from msd_ident.diagnosis import Diagnosis, Task, diagnose_records
+from msd_ident.diagnosis import Diagnosis, Task, diagnose_records, ranges
+from msd_ident.estimate.base_fits import Shared
 from msd_ident.report import diagnosis
+from msd_ident.selection.hypothesis import Hypothesis
 from msd_sim.api import simulate
 
 ASKED = ("coulomb_friction", "stribeck_friction", "quadratic_drag", "cubic_spring", "bilinear_spring")
@@ -47,6 +52,17 @@ def test_each_range_has_the_stated_models_value(
         quantity = found.extended.quantities[name]
         assert low <= quantity.value <= high, name
         assert quantity.std != 0.0 and f"{low:.4g}" != f"{high:.4g}", f"{name}: nothing moves"
+
+
+def test_what_the_data_leaves_open_has_no_range() -> None:
+    """A motor axis under a single tone was printed with a mass a hundred times too large, as a range of 12 %."""
+    stated = diagnosed().extended
+    other = cast(Hypothesis, SimpleNamespace(model=stated.model.with_values({"mass": 1.5, "damping": 9.0})))
+    found = ranges.over(stated, [other], True, cast(Shared, None))
+    assert set(found) == {"mass", "damping"}
+    quantity = replace(stated.quantities["mass"], std=math.nan)
+    opened = replace(stated, quantities={**stated.quantities, "mass": quantity})
+    assert set(ranges.over(opened, [other], True, cast(Shared, None))) == {"damping"}
 
 
 def test_an_interval_that_holds_the_range_stays_in_its_place() -> None:
