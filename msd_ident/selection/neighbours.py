@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
+from msd_ident.estimate.effort import KEPT
 from msd_ident.estimate.levels import TENTH
 from msd_ident.estimate.ripple_regression import found_in
 from msd_ident.model.effects import by_name
@@ -73,7 +74,8 @@ class Neighbours:
         """Fitted sets to start from: the best two that lack just one of the causes, or else the largest known part; and
         those that have the limit of one of the laws in its place, e.g. Coulomb friction. A smaller set that leaves far
         more than one of the others is left out. A single cause starts next to the base in any case, and so does a set
-        with a ripple that a regression shows: there regressions are made.
+        of few with a ripple that a regression shows: there regressions are made. Of five causes beside the base each
+        combination of guesses is a start, ten thousand and more.
 
         Args:
             causes: of the set.
@@ -86,7 +88,7 @@ class Neighbours:
         smaller.sort(key=lambda fitted: fitted.chi)
         least = min((fitted.chi for fitted in smaller[:1] + (alike if len(causes) > 1 else [])), default=0.0)
         worth = [fitted for fitted in smaller[:2] if fitted.chi < COMPARABLE * least]
-        rippled = causes & self.rippled and worth and worth[0].causes
+        rippled = causes & self.rippled and worth and worth[0].causes and len(causes) <= KEPT
         plain = [known[frozenset()]] if rippled else []
         return worth + plain + alike or [_largest_part(causes, known)]
 
