@@ -74,8 +74,8 @@ class Neighbours:
         """Fitted sets to start from: the best two that lack just one of the causes, or else the largest known part; and
         those that have the limit of one of the laws in its place, e.g. Coulomb friction. A smaller set that leaves far
         more than one of the others is left out. A single cause starts next to the base in any case, and so does a set
-        of few with a ripple that a regression shows: there regressions are made. Of five causes beside the base each
-        combination of guesses is a start, ten thousand and more.
+        of up to three with a ripple that a regression shows: there regressions are made. Of more causes beside the base
+        the combinations of guesses are too many.
 
         Args:
             causes: of the set.

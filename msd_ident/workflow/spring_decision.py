@@ -172,9 +172,9 @@ def needless_spring(found: FitResult, left: Remainders | None = None) -> str:
             return ""
         return (
             "No response shows a spring, and none is assumed: beside the causes that a diagnosis finds, it would carry "
-            f"{carried:.2g} {left.force_unit} rms, which the force that was still missing, {missing.force:.2g} "
-            f"{left.force_unit} rms ({missing.force_interval[0]:.2g} to {missing.force_interval[1]:.2g}), may be. If "
-            "there is one, use --model spring."
+            f"{carried:.2g} {left.force_unit} rms, and a force of {missing.force_interval[0]:.2g} to "
+            f"{missing.force_interval[1]:.2g} {left.force_unit} rms was still missing. If there is one, use --model "
+            "spring."
         )
     fitted = f"is {stiffness.value:.3g} ± {Z95 * stiffness.std:.2g} {stiffness.unit} (95 %)" if stiffness.known else ""
     return (

@@ -65,13 +65,13 @@ class Cut:
 
     @cached_property
     def needless(self) -> bool:
-        """Whether a model without the weight follows the stretches as well, and most of the whole records: then nothing
-        is unstable.
+        """Whether a model without the weight leaves less than twice the error on the stretches, and less than a quarter
+        of the motion on the whole records: then nothing is unstable.
 
         A regression finds a weight on an axis that stands upright, too, where that does what noise or a hidden mass do.
         """
         light = self.model.without(*(effect.name for effect in self.model.effects if effect.angular))
-        if self.weighed.see < MOST_OF * self._fitted(light).see:
+        if not self.weighed.see >= MOST_OF * self._fitted(light).see:
             return False
         whole = fit(light, self.whole, search="near", initial=[_started(record) for record in self.whole])
         moved = [record.position - np.mean(record.position) for record in self.whole]
@@ -86,8 +86,8 @@ class Cut:
         return " ".join(
             f"The motion of {record.name} is unstable: what moves the joint a little moves it more than "
             f"{NATURAL_RANGE:.0f} times as far later on, so no simulation follows the whole record. It was cut into "
-            f"{len(parts)} stretch{'es' if len(parts) > 1 else ''}, each with its own start. Angles count from where "
-            f"the joint hangs, {zero:.3g} {record.position_unit} by the encoder."
+            f"{'1 stretch' if len(parts) == 1 else f'{len(parts)} stretches, each'} with its own start. Angles count "
+            f"from where the joint hangs, {zero:.3g} {record.position_unit} by the encoder."
             for record, parts, zero in zip(self.whole, self.parts, self.zeros, strict=True)
             if parts[0] is not record
         )

@@ -303,6 +303,6 @@ def test_a_spring_that_may_be_the_missing_force_is_not_assumed(
     assert (said != "") is needless
     if needless:
         assert said.endswith(
-            "it would carry 0.098 V rms, which the force that was still missing, 0.09 V rms (0.045 to 0.11), may be. "
-            "If there is one, use --model spring."
+            "it would carry 0.098 V rms, and a force of 0.045 to 0.11 V rms was still missing. If there is one, use "
+            "--model spring."
         )

@@ -30,6 +30,10 @@ STIFF_BESIDE = 50.0
 _CREEPING = 0.1
 #: Change of the velocity by which the rate is told, in parts of it.
 _SLIGHT = 1e-4
+#: The same in parts of what all forces would bring, at least: as a cart breaks away its acceleration is the rounding of
+#: these forces, and a rate from that would be anything. Measured: of 240 runs with Stribeck friction and 24 to 100
+#: samples a second 7 were off by more than 1e-5 of the motion without it, none with it.
+_ROUNDED = 1e-8
 #: Least rate, in parts of b/m: a friction that falls with the speed may take the damping away.
 _LEAST = 0.1
 #: The parabola's error, in parts of what it differs by from a straight line. With this and ``_FADED``, five laws at
@@ -69,6 +73,15 @@ def second_is_stiff(phase, left, start):
     return _second_rate(phase, start) * left > STIFF
 
 
+@inlined
+def _pushing(phase, x):
+    """Size of the forces [N] whose rounding an acceleration holds: of the drive, the spring and a constant one."""
+    _, f, r, e, _ = phase.drive
+    elastic = phase.piece.elastic
+    driven = abs(f) + abs(r) * phase.length + abs(e)
+    return driven + abs(elastic.slope * x + elastic.intercept) + abs(phase.world.cart.constant)
+
+
 @lean
 def _rate(phase, t, start):
     """Rate r [1/s] at which the velocity of the cart fades as the step begins."""
@@ -76,7 +89,9 @@ def _rate(phase, t, start):
     plain = cart.b * cart.lightness
     if not (cart.active & places.SPEED_BITS or cart.m2 > 0.0):
         return plain
-    slight = _SLIGHT * max(abs(start.v), abs(start.a) * min(phase.length, 1.0 / plain if plain > 0.0 else phase.length))
+    lasts = min(phase.length, 1.0 / plain if plain > 0.0 else phase.length)
+    slight = _SLIGHT * max(abs(start.v), abs(start.a) * lasts)
+    slight = max(slight, _ROUNDED * _pushing(phase, start.x) * cart.lightness * lasts)
     if slight == 0.0:
         return plain
     if phase.s < 0.0:
