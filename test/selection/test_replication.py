@@ -11,7 +11,9 @@ import setrigs
 from copyrigs import DRAGS, RAMP, RUB, STEP, measured
 
 from msd_ident.model.effects import by_name
+from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.selection import replication
+from msd_ident.selection.hypothesis_fit import FAR
 from msd_ident.workflow import pipeline
 
 
@@ -115,3 +117,14 @@ def test_a_copy_that_sticks_all_the_time_is_called_nothing() -> None:
     study = replication._study(data, base, setrigs.ranked({"nothing": base}), [])
     still = [replace(part.record, position=0.0 * part.record.position) for part in data.readings]
     assert study.said(still) == frozenset()
+
+
+@pytest.mark.parametrize("left", [1.2, 2.0])
+def test_copies_of_what_leaves_far_more_than_noise_begin_with_its_fits(left: float) -> None:
+    """To look for the right minimum in each copy took 64 of 148 s of the diagnosis of a measured step."""
+    data = setrigs.steps()
+    base = setrigs.stood(data, setrigs.BASE)
+    rubs = setrigs.fitted(data, setrigs.BASE + CoulombFriction(0.1), left * FAR / 1.5 * data.evidence)
+    ranking = setrigs.ranked({"base": setrigs.fitted(data, setrigs.BASE, 1e9), "rubs": rubs})
+    study = replication._study(data, base, ranking, [replication.Explanation(rubs.causes, rubs)])
+    assert [causes for causes, *_ in study.remembered] == ([rubs.causes] if left > 1.5 else [])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -27,7 +28,9 @@ from msd_ident.model.effects.quadratic_drag import QuadraticDrag
 from msd_ident.model.effects.stiffness_drift import StiffnessDrift
 from msd_ident.model.effects.time_offset import TimeOffset
 from msd_ident.residuals.noise_model import prepare
+from msd_ident.selection import structure_search
 from msd_ident.selection.experiment import Experiment
+from msd_ident.selection.hypothesis import Hypothesis
 from msd_ident.selection.hypothesis_fit import refine
 from msd_ident.selection.ranking import Ranking
 from msd_ident.selection.structure_search import Search
@@ -367,3 +370,22 @@ def test_other_forms_of_the_leading_laws_are_fitted_before_a_cause_is_added() ->
     search.run(fitted(data, BASE, 9e7))
     assert len(asked) == 3, "no pair is asked for where the other form leaves only noise"
     assert asked[2] >= {frozenset({name, "coulomb_friction"}) for name in ("buffered_stop", "damped_stop")}
+
+
+@pytest.mark.parametrize("begun", [False, True])
+def test_copies_that_begin_with_known_fits_are_not_followed_through_observers(
+    begun: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    data = replace(steps(), begun=begun)
+    search = Search(data, lambda found: False, lambda *told: None)
+    search._know([fitted(data, BASE, 1e9), fitted(data, BASE + CoulombFriction(0.1), 5e8)])
+    asked = []
+
+    def follow(experiment: object, causes: frozenset[str], *rest: object) -> Hypothesis:
+        asked.append(causes)
+        return search.sets[causes]
+
+    monkeypatch.setattr(structure_search, "followed", follow)
+    monkeypatch.setattr(structure_search.starting_points, "starts", lambda *given: [])
+    search._follow_readings()
+    assert asked == ([] if begun else [frozenset({"coulomb_friction"})])
