@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from msd_ident.data.record import Record
+from msd_ident.model import Plant, simulate
 from msd_ident.model.effects import Effect
 from msd_ident.model.effects.smooth_stribeck_friction import SmoothStribeckFriction
 from msd_ident.model.effects.stribeck_friction import StribeckFriction
@@ -45,3 +48,26 @@ def test_a_breakaway_that_counts_less_than_its_value_is_said(law: type[Effect], 
     assert law(0.1, 0.5, *rest).same_as(None) == ""
     said = "A breakaway friction counts up to ten times the sliding one: here 1."
     assert law(0.1, 1.2, *rest).same_as(None) == said
+
+
+@pytest.mark.parametrize(("seed", "rate"), [(15, 24.0), (42, 24.0), (19, 40.0), (34, 40.0), (46, 40.0)])
+def test_a_cart_that_breaks_away_moves_the_same_at_coarse_and_dense_samples(seed: int, rate: float) -> None:
+    """Its acceleration is the rounding of the forces then. With a rate from that, 16 of 180 such runs were off by up to
+    6e-4 of the motion.
+    """
+    rng = np.random.default_rng(seed)
+    force_time, force = np.sort(rng.uniform(0.0, 4.0, 25)), rng.uniform(-6.0, 6.0, 25)
+    force_time[0] = 0.0
+    samples = int(4.0 * rate) + 1
+    time = np.arange(samples) / rate
+    time[1:-1] += rng.uniform(-0.4, 0.4, samples - 2) / rate
+    dense = np.union1d(time, np.linspace(0.0, 4.0, 16 * samples))
+    coarse, often = (
+        simulate(
+            Plant(1.0, 2.0, 400.0) + StribeckFriction(0.8, 1.2, 0.02),
+            Record(time=one, position=0.0 * one, force_time=force_time, force=force, hold="linear"),
+        ).position
+        for one in (time, dense)
+    )
+    expected = often[np.searchsorted(dense, time)]
+    assert np.max(np.abs(coarse - expected)) < 1e-5 * np.ptp(expected)
