@@ -46,10 +46,6 @@ def test_the_released_cart_rubs_and_the_hand_is_cut_off(shared_data: Path) -> No
 
 @pytest.mark.long
 @pytest.mark.timeout(900)  # 25 000 samples, and every one of them with a force of its own
-@pytest.mark.xfail(
-    reason="damping that differs between directions is named with 0.956 and leaves 3.5 times less than an offset in "
-    "its place; the search ends, far from the noise, before it adds the offset, with which 0.92 of that would be left"
-)
 def test_the_drive_rubs_and_has_an_offset(shared_data: Path) -> None:
     """EMPS: dry friction and an offset, which is the same as friction that differs between directions."""
     found = measured(shared_data, "emps_train")

@@ -81,12 +81,8 @@ def test_where_a_force_acts_it_may_be_another_quantity() -> None:
 @pytest.mark.long
 @pytest.mark.parametrize("seed", [1, 4])
 def test_what_a_hand_moved_and_many_parameters_follow_is_not_explained(seed: int) -> None:
-    """A smooth curve without a force may be near the decay of two masses: it is refused, or no cause is certain."""
-    try:
-        found = pipeline.diagnose([moved_by_hand(seed)])
-    except DataError as refused:
-        assert "a hand may have moved the cart" in str(refused)
-        return
+    """A smooth curve without a force may be near the decay of two masses."""
+    found = pipeline.diagnose([moved_by_hand(seed)])
     assert found.verdict in ("unexplained", "ambiguous")
     assert all(cause.probability < 0.9 for cause in found.causes)
 
