@@ -30,9 +30,9 @@ def over(
     """
     models = [stated.model, *(one.model if exact else _simulating(one, shared) for one in others)]
     unknown = frozenset() if scale_known(stated.quantities) else FORCES
-    fixed = {name for name, quantity in stated.quantities.items() if quantity.std == 0.0 or not quantity.known}
+    unmoved = {name for name, quantity in stated.quantities.items() if quantity.std == 0.0 or not quantity.known}
     found = spread.between(models)
-    return {name: ends for name, ends in found.items() if name not in fixed and name not in unknown}
+    return {name: ends for name, ends in found.items() if name not in unmoved and name not in unknown}
 
 
 def _simulating(fitted: Hypothesis, shared: Shared) -> Model:

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
-from msd_ident.estimate.effort import KEPT
 from msd_ident.estimate.levels import TENTH
 from msd_ident.estimate.ripple_regression import found_in
 from msd_ident.model.effects import by_name
@@ -14,13 +13,16 @@ from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, Causes, Hypothesis
 from msd_ident.selection.hypothesis_fit import COMPARABLE
 from msd_ident.selection.ordering import limits
-from msd_ident.tuning import tuned
+from msd_ident.tuning import fixed, tuned
 
 LARGEST = tuned(
     5,
     unit="causes",
     why="largest set that is fitted",
     chosen="by hand",
+)
+_FEW = fixed(
+    3, "resources", "causes of a set beside whose parents the base may be one: more have too many combinations"
 )
 
 
@@ -88,7 +90,7 @@ class Neighbours:
         smaller.sort(key=lambda fitted: fitted.chi)
         least = min((fitted.chi for fitted in smaller[:1] + (alike if len(causes) > 1 else [])), default=0.0)
         worth = [fitted for fitted in smaller[:2] if fitted.chi < COMPARABLE * least]
-        rippled = causes & self.rippled and worth and worth[0].causes and len(causes) <= KEPT
+        rippled = causes & self.rippled and worth and worth[0].causes and len(causes) <= _FEW
         plain = [known[frozenset()]] if rippled else []
         return worth + plain + alike or [_largest_part(causes, known)]
 

@@ -252,18 +252,17 @@ class Ranking:
         """Greatest probability that a law of a set, or one of the causes ``among`` in its place, acts, if the set is
         the right one.
 
-        What a set leaves above the noise may move like one of its causes. So the odds of a cause are no more
-        than what it explains over what is left (``clear``), but not less than ``FORM_ODDS`` allows; of one that
-        explains less than is left, its usual odds, even for most. More than these count only as far as it
-        explains more than is left. In a poor experiment the amplitude falls with time, so that no stiffness
-        and no friction that changes with time is certain: it may change with the amplitude. Nor is the stiffness
-        where more than noise is left: a mass that changes with time moves nearly alike. Nor is what may be another
-        shape of the other laws, or of the controller's (``steered``), nor a cause of a set that leaves much
-        (``leaves``). A law of
-        another cause that gives the same motion (``alike``) is as likely, or more by what it is likelier before
-        any data. As likely is what the force may do between its samples (``sampled``), another shape of a drift
-        in the place of a law that is slower than the record beside it, and, in a poor experiment, another shape
-        of a drift of the sensor in the place of a law that creeps beside one.
+        What a set leaves above the noise may move like one of its causes. So the odds of a cause are no more than what
+        it explains over what is left (``clear``), but not less than ``FORM_ODDS`` allows; of one that explains less
+        than is left, its usual odds, even for most. More than these count only as far as it explains more than is left.
+        In a poor experiment the amplitude falls with time, so that no stiffness and no friction that changes with time
+        is certain: it may change with the amplitude. Nor is the stiffness where more than noise is left: a mass that
+        changes with time moves nearly alike. Nor is what may be another shape of the other laws, or of the controller's
+        (``steered``), nor a cause of a set that leaves much (``leaves``). A law of another cause that gives the same
+        motion (``alike``) is as likely, or more by what it is likelier before any data. As likely is what the force may
+        do between its samples (``sampled``), another shape of a drift in the place of a law that is slower than the
+        record beside it, and, in a poor experiment, another shape of a drift of the sensor in the place of a law that
+        creeps beside one.
         """
         odds = self._of_its_own(causes, law) if law in self.further.get(causes, ()) else math.inf
         effect, plain = by_name(law), self.rich and causes in self.exact

@@ -232,8 +232,8 @@ class Search(FittedSets):
         """Fit sets again through observers (``observer``), if all sets leave far more than noise: with a cart that
         sticks they may be in wrong minima.
 
-        The leading sets, and those of one law that leave least. Not in copies that
-        begin with what was fitted to the measured records.
+        The leading sets, and those of one law that leave least. Not in copies that begin with what was fitted to the
+        measured records.
         """
         if self._least.chi < FAR * self.experiment.evidence or self.experiment.begun:
             return

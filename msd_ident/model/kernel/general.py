@@ -129,12 +129,6 @@ def _alone(
 
 
 @inlined
-def _asks_speed(cart):
-    """Whether a force changes with the speed in another way than damping does."""
-    return (cart.active & places.SPEED_BITS) != 0
-
-
-@inlined
 def _meets_event(s, piece, h, start):
     """Whether the cart seems to turn or to leave its piece of the spring within a time h: a parabola does."""
     ahead = start.x + h * (start.v + 0.5 * h * start.a)
@@ -194,7 +188,7 @@ def _cruise(run, j, segments, progress, path):
     (world, p, w, k), spring = run.world, piece_of(run.spring, i)
     elastic, length, decay = spring.elastic, segments.length, segments.decay
     tolerances, second = run.tolerances, world.m2 > 0.0
-    most, speedy = 1 if world.active & places.SECOND_BITS else MOST_PARTS, run.quick or _asks_speed(world)
+    most = 1 if world.active & places.SECOND_BITS else MOST_PARTS
     known, before, even, half, faded = 0, 0.0, 0.0, 1.0, 1.0
     past = past_c = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     pace, begun, first = Pace(1, 0, 0, 1, False), state, j
@@ -208,7 +202,7 @@ def _cruise(run, j, segments, progress, path):
         drive = _part_of(_drive(segments, j), pace.part * left, faded)
         last = beside(world, p, w, _pushed(drive, left, half * half), drive.start + left)
         x, v, a, y, u, c = here
-        turns = speedy and near_turn(length[j], v, a)  # where a law of the speed may change within a step
+        turns = run.speedy and near_turn(length[j], v, a)  # where a law of the speed may change within a step
         if (run.eventful and _meets_event(s, spring, left, here)) or (turns and pace.parts > 1):
             break
         turning = run.quick and near_turn(left, v, a)
@@ -293,16 +287,16 @@ def _held(run, j, segments, progress, path):
 
 
 @joined
-def run_of(world, spring, m, scales, reach):
+def run_of(world, spring, scales, reach):
     """What stays the same during a run; ``scales``: sizes of the motion that errors are compared with."""
     active, far, fast = world.cart.active, scales.x, scales.v
     return Run(
         world,
         spring,
-        m,
         (active & (places.DRY_BITS | places.TURNING_BITS)) != 0 or spring.edges.size > 2,
         (active & places.RESTLESS_BITS) != 0 or world.cart.m2 > 0.0,
         (active & places.QUICK_BITS) != 0,
+        (active & (places.QUICK_BITS | places.SPEED_BITS)) != 0,
         min(1e12 * far, reach),
         Tolerances(TOLERANCE4 * far, TOLERANCE4 * fast, TOLERANCE5 * far, TOLERANCE5 * fast, TOLERANCE_ADAMS * fast),
     )

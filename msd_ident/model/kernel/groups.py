@@ -286,20 +286,20 @@ class Run(NamedTuple):
 
     Attributes:
         world, spring: what acts on the cart.
-        m: mass [kg].
         eventful: whether turns and knees are events.
         restless: whether forces change by themselves at rest.
         quick: whether forces change quickly after a turn.
+        speedy: the same, or whether they change with the speed in another way than damping does.
         far: distance [m] from where it begins at which the motion is given up.
         tolerances: accepted errors.
     """
 
     world: World
     spring: Spring
-    m: float
     eventful: bool
     restless: bool
     quick: bool
+    speedy: bool
     far: float
     tolerances: Tolerances
 

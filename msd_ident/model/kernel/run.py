@@ -101,7 +101,7 @@ def row(model, values, plan, reach, out):
     arriving = cut
     if bits & ~places.EXACT_BITS:
         scales = _scales(Linear(m, b, k), time, largest, motion)
-        general(run_of(world, spring, m, scales, reach), cut, motion, path)
+        general(run_of(world, spring, scales, reach), cut, motion, path)
     else:
         kinetic, hold = 0.0, 0.0
         if bits & places.DRY_BITS:
