@@ -29,7 +29,7 @@ from msd_ident.estimate.levels import CONFIDENCE
 from msd_ident.model import Model
 from msd_ident.selection.experiment import Experiment, weigh
 from msd_ident.selection.hypothesis import Hypothesis
-from msd_ident.selection.hypothesis_fit import LEAST_FALL
+from msd_ident.selection.hypothesis_fit import least_fall
 from msd_ident.tuning import fixed, tuned
 
 FOLDS = tuned(4, unit="folds", why="parts of the data that are left out in turn", chosen="by hand")
@@ -161,8 +161,7 @@ def refitted(experiment: Experiment, fitted: Hypothesis, masks: Sequence[FloatAr
     kept = np.concatenate(masks)
     known = fitted.state
     seen = State.at(known.point, known.residual * kept, known.jacobian * kept, exact=known.exact)
-    worth = LEAST_FALL * max(fitted.chi / experiment.evidence, 1.0)
-    return descend(weighting, seen, SHORT, worth).point
+    return descend(weighting, seen, SHORT, least_fall(experiment, fitted.chi)).point
 
 
 def _blocks(

@@ -10,7 +10,7 @@ import numpy as np
 
 from msd_ident.data.record import FloatArray
 from msd_ident.estimate.broyden import State, Weighting, descend, step
-from msd_ident.estimate.effort import LOOK, THOROUGH
+from msd_ident.estimate.effort import KEPT, LOOK, THOROUGH
 from msd_ident.estimate.levels import ALIKE, BEYOND_DOUBT, DAMPING, MOST_OF, NEGLIGIBLE
 from msd_ident.estimate.problem import Initial, Problem
 from msd_ident.model import Model
@@ -48,7 +48,7 @@ REACH = tuned(
     chosen="by hand",
 )
 SAME = fixed(1e-3, "accuracy", "relative difference of the chi² of two starts or ends that are one")
-#: Fall of chi² that is not worth a simulation: a negligible part of one piece of evidence.
+#: Fall of chi² that is not worth a simulation beside noise: a negligible part of one piece of evidence.
 LEAST_FALL = NEGLIGIBLE
 
 
@@ -115,7 +115,7 @@ def finish(experiment: Experiment, begun: Sequence[Hypothesis], least: float) ->
             break
         kicked = [_settled(experiment, fitted, best.chi) for fitted in _kicked(experiment, best)]
         before, best = best, min([best, *kicked], key=lambda fitted: fitted.chi)
-        if before.chi - best.chi <= _settled_gain(experiment, best):
+        if before.chi - best.chi <= _negligible(experiment, best.chi):
             break  # no start beside it leads further down
     return best
 
@@ -190,7 +190,7 @@ def _settled(experiment: Experiment, fitted: Hypothesis, least: float) -> Hypoth
         before = fitted.chi
         fitted = _lower(experiment, fitted, LOOK)
         fall = before - fitted.chi
-        if fall <= _settled_gain(experiment, fitted):
+        if fall <= _negligible(experiment, fitted.chi):
             break
         if fitted.chi > hopeless and fall < 0.5 * before:
             return fitted
@@ -229,9 +229,9 @@ def _worth_kicking(experiment: Experiment, least: float) -> float:
     return least if _leaves_far_more(experiment, least) else _hopeless(experiment, least)
 
 
-def _settled_gain(experiment: Experiment, fitted: Hypothesis) -> float:
-    """Decrease of chi² that is not worth a simulation: far below one piece of evidence, or a small part of the chi²."""
-    return LEAST_FALL + SAME * max(fitted.chi - experiment.evidence, 0.0)
+def _negligible(experiment: Experiment, chi: float) -> float:
+    """Fall of a chi² that is not worth a few steps: far below one piece of evidence, or a small part of the chi²."""
+    return LEAST_FALL + SAME * max(chi - experiment.evidence, 0.0)
 
 
 def exactly(experiment: Experiment, fitted: Hypothesis) -> Hypothesis:
@@ -245,7 +245,7 @@ def exactly(experiment: Experiment, fitted: Hypothesis) -> Hypothesis:
         return fitted
     weighting = weigh(fitted.problem, experiment.readings)
     state = weighting.renewed(fitted.state)
-    state = descend(weighting, state, 2, _settled_gain(experiment, fitted))
+    state = descend(weighting, state, 2, _negligible(experiment, fitted.chi))
     if not state.exact:
         state = weighting.renewed(state)
     return _at(experiment, fitted.causes, fitted.problem, state)
@@ -261,18 +261,36 @@ def refine(experiment: Experiment, causes: Causes, model: Model, initial: Sequen
         initial: initial state of each record to start from.
     """
     problem, weighting, point = formulated(experiment, model, initial)
-    return exactly(experiment, _at(experiment, causes, problem, descended(weighting, point)))
+    return exactly(experiment, _at(experiment, causes, problem, descended(experiment, weighting, point)))
 
 
-def descended(weighting: Weighting, point: FloatArray) -> State:
-    """Where a descent from a point (p,) ends."""
-    state = descend(weighting, weighting.exact(point, weighting.steps(None)), 3, LEAST_FALL)
-    return descend(weighting, weighting.renewed(state), THOROUGH, LEAST_FALL)
+def descended(experiment: Experiment, weighting: Weighting, point: FloatArray) -> State:
+    """Where a descent from a point (p,) ends.
+
+    A cart that sticks gives the chi² many small kinks, down which a fit far from the noise creeps for hundreds of
+    simulations: it ends where a few steps change next to nothing.
+    """
+    state = weighting.exact(point, weighting.steps(None))
+    state = weighting.renewed(descend(weighting, state, KEPT, least_fall(experiment, state.chi)))
+    for _ in range(THOROUGH // LOOK):
+        before = state.chi
+        state = descend(weighting, state, LOOK, least_fall(experiment, before))
+        if before - state.chi <= _negligible(experiment, state.chi):
+            break
+    return state
+
+
+def least_fall(experiment: Experiment, chi: float) -> float:
+    """The fall of a chi² that is worth a simulation where a fit ends: below it, the evidence hardly changes.
+
+    Evidence is stated in units of what the best set leaves, be that noise or far more.
+    """
+    return LEAST_FALL * max(chi / experiment.evidence, 1.0)
 
 
 def _lower(experiment: Experiment, fitted: Hypothesis, steps: int) -> Hypothesis:
     weighting = weigh(fitted.problem, experiment.readings)
-    state = descend(weighting, fitted.state, steps, _settled_gain(experiment, fitted))
+    state = descend(weighting, fitted.state, steps, _negligible(experiment, fitted.chi))
     return _at(experiment, fitted.causes, fitted.problem, state)
 
 

@@ -90,7 +90,7 @@ def _drawn(experiment: Experiment, start: _Start, observer: tuple[float, float])
         lower=problem.lower + added,
         upper=problem.upper + added,
     )
-    state = descended(weigh(pulled, experiment.readings), point + added)
+    state = descended(experiment, weigh(pulled, experiment.readings), point + added)
     found = model.with_values(pulled.values(state.point))
     return state.chi, (_held(found, -stiffness, -damping), pulled.initials(state.point))
 
