@@ -1,7 +1,8 @@
 """How a record begins: under a force that acted before it, at rest, or in motion.
 
 A table tells nothing about the time before its first line. If the cart rests under the first force until this changes,
-the force acted before; if it moves at once, the force stepped at the first line.
+the force acted before; if it moves at once, the force stepped at the first line. A controller's force changes because
+the cart has moved: such a change ends no rest.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from msd_ident.data.noise import noise_of
+from msd_ident.data.quality.feedback import feedback_gain
 from msd_ident.data.record import MINIMUM_SAMPLES, Record
 
 #: A force below this part of its range is a rest and no push.
@@ -49,9 +51,17 @@ def rests_under_force(record: Record) -> bool:
         return False
     height = abs(float(record.force_at([change])[0]) - first)
     left = abs(float(np.median(held) - np.median(held[:MINIMUM_SAMPLES])))
+    if _follows(record, change, float(record.force_at([change])[0]) - first):
+        return False
     noise = noise_of(record)
     stays = left < max(_STILL * noise.floor + noise.step, _CREEPS * float(np.ptp(record.position)))
     return stays and float(np.ptp(held)) / abs(first) < _RESTS * float(np.ptp(after)) / max(height, _CHANGE * span)
+
+
+def _follows(record: Record, change: float, height: float) -> bool:
+    """Whether a change of the force [N] by a time [s] is mostly what a controller makes of the motion before."""
+    moved = float(np.interp(change, record.time, record.position)) - float(record.position[0])
+    return abs(height - feedback_gain(record) * moved) < 0.5 * abs(height)
 
 
 def since_before(record: Record) -> Record:

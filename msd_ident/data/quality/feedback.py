@@ -35,17 +35,21 @@ _ORDERS, _MEMORY, _NOISY = (1, 2, 3, 4), 4, 2.0
 
 def feedback(record: Record, motion: Motion) -> Iterator[Finding]:
     """A force that is computed from the readings, by a proportional or proportional and derivative controller."""
-    if not record.shared_clock:
-        return
-    noise = max(noise_floor(record), encoder_step(record) / np.sqrt(12.0))
-    gain = _gain_of_changes(record, noise) or _gain_of_noise(record, noise)
-    if gain < 0.0:
+    if (gain := feedback_gain(record)) < 0.0:
         yield warning(
             _CODE,
             f"the force follows the readings ({gain:.4g} {record.force_unit}/{record.position_unit}): "
             "a controller computes it from them. A spring and a controller then have the same effect, and noise acts "
             "back on the force: if parameters stay uncertain, push with a force that does not depend on the position",
         )
+
+
+def feedback_gain(record: Record) -> float:
+    """Gain [N/m] by which the force follows the readings, negative; 0 where no controller computes it from them."""
+    if not record.shared_clock:
+        return 0.0
+    noise = max(noise_floor(record), encoder_step(record) / np.sqrt(12.0))
+    return _gain_of_changes(record, noise) or _gain_of_noise(record, noise)
 
 
 def steered(findings: Iterable[Finding]) -> bool:
