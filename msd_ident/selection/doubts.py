@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from msd_ident.estimate.levels import FEWEST
 from msd_ident.model.effects import by_name, spoken
 from msd_ident.selection.hypothesis import COULOMB, Causes
 from msd_ident.selection.ranking import CERTAIN_ODDS, Ranking, certain, kinds
@@ -38,8 +39,8 @@ def sentences(ranking: Ranking) -> tuple[str, ...]:
             "another law, so no named cause is certain."
         )
     said += [
-        f"what is left is {100.0 * part:.0f} % of what is left without {spoken(name)}, and may move like it, so it is "
-        "not certain."
+        f"what is left is {100.0 * part:.0f} % of what is left without {spoken(name)}, or with another law in its "
+        "place, and may move like it, so it is not certain."
         for name, part in _unclear(ranking).items()
     ]
     said += [
@@ -87,6 +88,12 @@ def _slow(ranking: Ranking, unsure: Sequence[str]) -> list[str]:
             f"the motion is shorter than two periods of {spoken(name)}, so it does not show that it repeats: a bend of "
             "another kind could do the same, so it is not certain. Move further."
             for name in along
+        ),
+        *(
+            f"the record holds fewer than {FEWEST} periods of {spoken(name)}, and more than noise is left: another "
+            "force that comes and goes could do the same, so it is not certain. Record longer."
+            for name in unsure
+            if name in ranking.seldom.get(ranking.best.causes, ()) and name not in slow
         ),
     ]
 

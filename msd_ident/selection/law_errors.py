@@ -13,7 +13,7 @@ from msd_ident.model.effects import LIBRARY, by_name
 from msd_ident.residuals.noise_model import NOISE_ERROR
 from msd_ident.selection.evidence import LEAST_SPREAD, NoiseScale
 from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, Causes, Hypothesis
-from msd_ident.selection.ranking import CERTAIN_ODDS, FAINT, FORM_PART, ROUGH
+from msd_ident.selection.ranking import CERTAIN_ODDS, FAINT, FORM_PART, ROUGH, kinds
 
 
 def further_parts(causes: Causes, sets: Mapping[Causes, Hypothesis]) -> dict[str, float]:
@@ -118,17 +118,28 @@ def clearness(causes: Causes, sets: Mapping[Causes, Hypothesis], scale: NoiseSca
     It is (χ²(S − c) − χ²(S)) / max(χ²(S) − N, δN). Where the set leaves only noise, it leaves what the noise can hide,
     whose variance is known to δ = ``NOISE_ERROR``. If only the set's own residual tells of this noise, an error of its
     laws may be a part of it: then no cause is certain that may be one. A law that holds Coulomb friction as a limit is
-    compared with Coulomb friction in its place too. Causes without a fitted smaller set are left out.
+    compared with Coulomb friction in its place too; where the set leaves more than noise, so that none of the laws is
+    the rig's, each is compared with every other one in its place. Causes without a fitted smaller set are left out.
     """
     found, left, most = {}, sets[causes].chi - scale.noise, math.inf
-    if leaves_noise(sets[causes], scale.noise):
+    exact = leaves_noise(sets[causes], scale.noise)
+    if exact:
         left, most = NOISE_ERROR * scale.noise, CERTAIN_ODDS if scale.other_noise else math.inf
     for name in causes:
-        limits = [_fitted(causes - {name}, sets), causes - {name} | {COULOMB}][: 1 + (name in HOLDING_COULOMB)]
+        limits = [_fitted(causes - {name}, sets)]
+        limits += [causes - {name} | {COULOMB}] if name in HOLDING_COULOMB else []
+        limits += [] if exact else _in_place(name, causes, sets)
         gains = [sets[limit].chi - sets[causes].chi for limit in limits if limit in sets]
         if gains:
             found[name] = min(max(min(gains), 0.0) / left, most)
     return found
+
+
+def _in_place(name: str, causes: Causes, sets: Mapping[Causes, Hypothesis]) -> list[Causes]:
+    """Fitted sets that have a law of another cause in the place of one of a set."""
+    others = causes - {name}
+    replaced = (one for one in sets if len(one) == len(causes) and others < one)
+    return [one for one in replaced if by_name(name).cause() not in kinds(one)]
 
 
 def within_sampling(causes: Causes, sets: Mapping[Causes, Hypothesis]) -> frozenset[str]:

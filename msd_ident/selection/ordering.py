@@ -11,7 +11,7 @@ from functools import partial
 
 import numpy as np
 
-from msd_ident.estimate.levels import NEGLIGIBLE, TENTH
+from msd_ident.estimate.levels import FEWEST, NEGLIGIBLE, TENTH
 from msd_ident.model.effects import by_name
 from msd_ident.model.effects.typical import speed
 from msd_ident.selection.evidence import SHAPES, NoiseScale, log_evidence, log_prior
@@ -54,6 +54,7 @@ def rank(sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> Ranking:
         further={causes: other_forms(causes, sets, scale.noise) for causes in order},
         exact=frozenset(causes for causes in order if leaves_noise(sets[causes], scale.noise)),
         slow={causes: sets[causes].kept("slow", partial(_slow, sets[causes])) for causes in order},
+        seldom={causes: _seldom(sets[causes]) for causes in order if not leaves_noise(sets[causes], scale.noise)},
         held={causes: sets[causes].kept("held", partial(_held, sets[causes])) for causes in order},
         sampled={causes: within_sampling(causes, sets) for causes in order},
         clear={causes: clearness(causes, sets, scale) for causes in order},
@@ -183,6 +184,13 @@ def _slow(fitted: Hypothesis) -> frozenset[str]:
         for effect in fitted.model.effects
         if effect.longest_period() > longest or 2.0 * effect.repeats_after() > widest
     )
+
+
+def _seldom(fitted: Hypothesis) -> frozenset[str]:
+    """Effects that bring a tone of which the longest record holds fewer than ``FEWEST`` periods."""
+    longest = max(record.duration for record in fitted.problem.records)
+    toned = [effect for effect in fitted.model.effects if effect.tones()]
+    return frozenset(effect.name for effect in toned if FEWEST * effect.longest_period() > longest)
 
 
 def _held(fitted: Hypothesis) -> frozenset[str]:

@@ -90,6 +90,8 @@ class Ranking:
         clear: how clearly a set needs each of its causes (``law_errors.clearness``).
         slow: causes of a set of whose periods the records hold too few: less than one of a motion that they bring, or
             less than two along the travel. A drift, or a bend, of another kind may do the same: they are not certain.
+        seldom: tones of a set that leaves more than noise, of which the records hold too few periods to show that they
+            repeat: what is left may be a part of the same, so they are not certain.
         held: causes of a set that hold the cart at rest and do hardly anything in motion: a force that acts only while
             the drive is on, or off, may do the same, so they are not certain.
         sampled: causes of a set that explain no more than twice what the force may do between its samples: each is at
@@ -121,6 +123,7 @@ class Ranking:
     exact: frozenset[Causes] = frozenset()
     clear: Mapping[Causes, Mapping[str, float]] = field(default_factory=dict)
     slow: Mapping[Causes, frozenset[str]] = field(default_factory=dict)
+    seldom: Mapping[Causes, frozenset[str]] = field(default_factory=dict)
     held: Mapping[Causes, frozenset[str]] = field(default_factory=dict)
     sampled: Mapping[Causes, frozenset[str]] = field(default_factory=dict)
     alike: Mapping[Causes, Mapping[str, str]] = field(default_factory=dict)
@@ -180,6 +183,7 @@ class Ranking:
             exact=self.exact | ({new} if old in self.exact else set()),
             clear={**self.clear, new: told(self.clear.get(old, {}))},
             slow={**self.slow, new: frozenset(names.get(name, name) for name in self.slow.get(old, ()))},
+            seldom={**self.seldom, new: frozenset(names.get(name, name) for name in self.seldom.get(old, ()))},
             held={**self.held, new: frozenset(names.get(name, name) for name in self.held.get(old, ()))},
             sampled={**self.sampled, new: frozenset(names.get(name, name) for name in self.sampled.get(old, ()))},
             alike={**self.alike, new: {names.get(name, name): one for name, one in self.alike.get(old, {}).items()}},
@@ -276,7 +280,7 @@ class Ranking:
         if law in self.sampled.get(causes, ()) or self._drifts_beside_a_drift(causes, law):
             odds = min(odds, 1.0)
         shape = effect.is_shape_beside(by_name(one) for one in causes - {law}) or (self.steered and effect.is_spring())
-        seen_once = law in self.slow.get(causes, ()) or law in self.held.get(causes, ())
+        seen_once = any(law in laws.get(causes, ()) for laws in (self.slow, self.seldom, self.held))
         if aged or shape or seen_once or causes in self.leaves:
             odds = min(odds, CERTAIN_ODDS)
         if self.curved_by(causes, law):
