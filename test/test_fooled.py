@@ -175,6 +175,25 @@ def test_a_cart_that_leaves_its_place_under_the_first_force_is_not_taken_to_rest
         assert quality.begins_pushed(record) and not quality.rests_under_force(record)
 
 
+@pytest.mark.parametrize("setpoint", [0.1, 0.2])
+def test_a_controller_that_brings_a_cart_from_rest_did_not_push_it_before(setpoint: float) -> None:
+    """Its first force changes only because the cart has moved; a measured cart under it was taken to rest till then."""
+    mass, damping, gain, step, period = 0.7, 7.0, 100.0, 2.3e-5, 1e-3
+    position, force, x, v = np.zeros(1000), np.zeros(1000), 0.0, 0.0
+    fade = np.exp(-damping * period / mass)
+    for i in range(position.size):
+        position[i] = step * np.floor(x / step)
+        force[i] = gain * (setpoint - position[i])
+        end = force[i] / damping
+        x, v = x + end * period + (v - end) * (1.0 - fade) * mass / damping, end + (v - end) * fade
+    record = from_samples(period * np.arange(position.size), force, position)
+    assert quality.begins_pushed(record) and not quality.rests_under_force(record)
+    # One that held the cart against a load, until it gets another setpoint, had pushed before.
+    load = 0.5 * gain * setpoint + np.concatenate((np.zeros(500), record.force))
+    held = from_samples(period * np.arange(load.size), load, np.concatenate((np.zeros(500), position)))
+    assert quality.rests_under_force(held)
+
+
 @pytest.mark.parametrize("force", [5.0, -3.0])
 def test_a_release_under_a_constant_force_is_no_step(force: float) -> None:
     displaced = float(np.sign(force)) * 0.03

@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from msd_ident.data.record import Record
 from msd_ident.data.resampling import centred, led
 from msd_ident.estimate import FitResult, fit
-from msd_ident.estimate.levels import TENTH
+from msd_ident.estimate.levels import NEGLIGIBLE, TENTH
 from msd_ident.model.effects import structural
 from msd_ident.model.effects.law import DELAY
 from msd_ident.quantity import Z95
@@ -50,7 +50,7 @@ def found(fitted: FitResult, records: Sequence[Record]) -> float:
         fitted = fit(timed, records, fixed=kept, search="near", initial=fitted.initial)
     seen, half = fitted.quantities[delay.parameters[0].name], half_sample(late)
     lead, std = -seen.value, seen.std
-    if not (math.isfinite(std) and lead > 0.0 and (named or lead > _CLEAR * std)):
+    if not (math.isfinite(std) and lead > NEGLIGIBLE * half and (named or lead > _CLEAR * std)):
         return 0.0
     alike = max(record.period for record in late) < (1.0 + TENTH) * 2.0 * half
     if alike and abs(lead - half) < Z95 * std:

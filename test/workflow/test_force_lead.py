@@ -14,7 +14,7 @@ from msd_ident.data.resampling import centred
 from msd_ident.estimate import fit
 from msd_ident.io import SourceOptions, read, write_csv
 from msd_ident.model import Plant, simulate
-from msd_ident.workflow import pipeline, saved_model, validation
+from msd_ident.workflow import force_lead, pipeline, saved_model, validation
 from msd_ident.workflow.preparation import held_otherwise, prepare
 
 RIG, PERIOD, NOISE = Plant(mass=1.0, damping=1.0, stiffness=1500.0), 0.002, 2e-6
@@ -71,6 +71,15 @@ def test_a_lead_that_no_diagnosis_names_is_found_where_it_is_clear(asking_about:
     assert found.verdict == "adequate" and found.records[0].lead == pytest.approx(0.5 * PERIOD)
     right = pipeline.diagnose([shifted(0.0)])
     assert right.records[0].lead == 0.0 and not [one for one in right.findings if one.code == "force_lead"]
+
+
+@pytest.mark.parametrize(("early", "lead"), [(0.002, 0.0), (0.02, 0.02)])
+def test_a_lead_of_next_to_nothing_is_none(early: float, lead: float) -> None:
+    """A cart under a controller was said to lead by 1.13e-06 ms, however small that is beside its samples of 1 ms."""
+    still = replace(from_samples(PERIOD * np.arange(FORCE.size), FORCE, np.zeros(FORCE.size)), hold_known=False)
+    exact = simulate(RIG, replace(still, force_time=still.time - early * PERIOD)).position
+    record = replace(still, position=exact + 1e-9 * np.random.default_rng(5).normal(size=exact.size))
+    assert force_lead.found(fit(RIG, [record]), [record]) == pytest.approx(lead * PERIOD, rel=1e-2)
 
 
 @pytest.mark.parametrize("early", [-0.5, 0.8, 1.0])
