@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from msd_ident.data.noise import Noise, noise_of
@@ -11,6 +11,7 @@ from msd_ident.data.onsets import Onset, is_constant, onsets
 from msd_ident.data.record import Record
 from msd_ident.features.decay import free_decay
 from msd_ident.features.form import StandardForm, combine, combine_chain, pool
+from msd_ident.features.let_go import let_go
 from msd_ident.features.response import Response, step_response, with_dead_width
 
 Kind = Literal["step", "free_decay", "none"]
@@ -26,6 +27,7 @@ class Features:
         responses: one for each force step (or one for the free decay), in time order.
         standard_form: of all responses together; ``None`` without any.
         remarks: what a reader must know about the features, a sentence each.
+        freed: instant [s] before which the cart was held or pulled by hand; None where it is free from the start.
     """
 
     kind: Kind
@@ -33,6 +35,7 @@ class Features:
     responses: tuple[Response, ...]
     standard_form: StandardForm | None
     remarks: tuple[str, ...] = ()
+    freed: float | None = None
 
     @property
     def two_peak_form(self) -> StandardForm | None:
@@ -126,16 +129,23 @@ def _step_route(responses: tuple[Response, ...]) -> str:
 def _decay(record: Record, noise: Noise) -> Features:
     response = free_decay(record, noise)
     if response is None:
-        return _none("No force acts and nothing swings: there is no response to read.")
-    remarks: tuple[str, ...] = ()
-    lead = response.onset - float(record.time[0])
-    if lead > 0.02 * record.duration:
-        remarks = (
-            f"The first {lead:.2f} s, before the cart moved freely, were left out: it was held or pulled by hand. "
-            "Give --start to begin later.",
-        )
+        still = _none("No force acts and nothing swings: there is no response to read.")
+        freed = let_go(record, noise)
+        return still if freed is None else replace(still, remarks=_held(record, freed), freed=freed)
     route = (
         f"Free decay from {len(response.turns)} turning points, eqs. 3 to 7: without a force there is no static gain, "
         "so mass, damping and stiffness are known only as ratios."
     )
-    return Features("free_decay", route, (response,), pool((response.form,)), remarks)
+    remarks = _held(record, response.onset)
+    return Features("free_decay", route, (response,), pool((response.form,)), remarks, response.onset)
+
+
+def _held(record: Record, freed: float) -> tuple[str, ...]:
+    """A sentence on a good part of a record before the cart is free."""
+    lead = freed - float(record.time[0])
+    if lead <= 0.02 * record.duration:
+        return ()
+    return (
+        f"The first {lead:.2f} s, before the cart moved freely, were left out: it was held or pulled by hand. "
+        "Give --start to begin later.",
+    )

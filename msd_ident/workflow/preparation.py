@@ -284,8 +284,8 @@ def _refuse(findings: Sequence[Finding]) -> None:
 def _usable(understood: _Understood, turned: bool) -> Record:
     """The record that models are fitted to: from the release on, and the force turned where K is negative."""
     record, features = understood.record, understood.features
-    if features.kind == "free_decay" and features.responses:
-        record = record.cut(features.responses[0].onset, float(record.time[-1]))
+    if features.freed is not None:
+        record = record.cut(features.freed, float(record.time[-1]))
         record = quality.since_before(record) if quality.begins_pushed(record) else record
     return replace(record, force=-record.force) if turned else record
 
@@ -295,13 +295,13 @@ def _rest_before(understood: _Understood, used: Record, form: StandardForm | Non
 
     Where the cart stands far from where it comes to rest in the end, a hand holds it: that is no rest.
     """
-    record = understood.record
-    if used.time[0] == record.time[0] or form is None:
+    record, responses = understood.record, understood.features.responses
+    if used.time[0] == record.time[0] or form is None or not responses:
         return None
     rest = quality.rest_before(record, 2.0 * math.pi / form.natural_frequency.value)
     if rest is None:
         return None
-    end = understood.features.responses[0].steady_state.value
+    end = responses[0].steady_state.value
     away = abs(float(np.median(rest.position)) - end)
     rest = replace(rest, origin=used.origin)
     return rest if away <= _HELD * float(np.max(np.abs(used.position - end))) else None
