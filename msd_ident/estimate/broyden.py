@@ -9,7 +9,7 @@ columns of that Jacobian are reused, and later steps update them from the simula
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -35,6 +35,7 @@ class State:
         jacobian: (p, n) derivatives of ``residual``.
         normal: Gauss–Newton matrix (p, p), the product of the Jacobian with its transpose.
         exact: whether the Jacobian was computed at this point; False after an update.
+        damping: with which a descent goes on from here: along a bent valley, one that begins anew makes short steps.
     """
 
     point: FloatArray
@@ -42,6 +43,7 @@ class State:
     jacobian: FloatArray
     normal: FloatArray
     exact: bool
+    damping: float = DAMPING
 
     @classmethod
     def at(cls, point: FloatArray, residual: FloatArray, jacobian: FloatArray, *, exact: bool) -> State:
@@ -176,7 +178,7 @@ def descend(weighting: Weighting, state: State, steps: int, least_gain: float) -
     Returns:
         The last state. Its Jacobian may be an updated one (``exact`` False) if the number of steps ended the search.
     """
-    damping, growth = DAMPING, 4.0
+    damping, growth = state.damping, 4.0
     taken = 0
     while taken < steps and damping < STUCK:
         move, promised = step(weighting.problem, state, damping)
@@ -198,7 +200,7 @@ def descend(weighting: Weighting, state: State, steps: int, least_gain: float) -
             state = weighting.renewed(state)
         else:
             damping, growth = damping * growth, growth * 2.0
-    return state
+    return replace(state, damping=min(damping, DAMPING))
 
 
 def _updated(state: State, point: FloatArray, residual: FloatArray) -> State:

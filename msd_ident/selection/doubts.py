@@ -147,8 +147,9 @@ def _unclear(ranking: Ranking) -> dict[str, float]:
     if named in ranking.exact or named in ranking.leaves:
         return {}
     told = ranking.further.get(named, {})
+    clear = {name: ranking.over_left(named, name) for name in sorted(ranking.clear.get(named, {}))}
     return {
-        name: 1.0 / math.sqrt(1.0 + clear)
-        for name, clear in sorted(ranking.clear.get(named, {}).items())
-        if name not in told and clear < CERTAIN_ODDS and not certain(ranking.of_cause(name))
+        name: 1.0 / math.sqrt(1.0 + value)
+        for name, value in clear.items()
+        if name not in told and value < CERTAIN_ODDS and not certain(ranking.of_cause(name))
     }

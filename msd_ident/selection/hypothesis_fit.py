@@ -268,14 +268,16 @@ def descended(experiment: Experiment, weighting: Weighting, point: FloatArray) -
     """Where a descent from a point (p,) ends.
 
     A cart that sticks gives the chi² many small kinks, down which a fit far from the noise creeps for hundreds of
-    simulations: it ends where a few steps change next to nothing.
+    simulations: there it ends where a few steps change next to nothing. Nearer to the noise this may be a bent valley
+    that leads on.
     """
+    far = FAR * experiment.evidence
     state = weighting.exact(point, weighting.steps(None))
-    state = weighting.renewed(descend(weighting, state, KEPT, least_fall(experiment, state.chi)))
+    state = weighting.renewed(descend(weighting, state, KEPT, LEAST_FALL))
     for _ in range(THOROUGH // LOOK):
         before = state.chi
-        state = descend(weighting, state, LOOK, least_fall(experiment, before))
-        if before - state.chi <= _negligible(experiment, state.chi):
+        state = descend(weighting, state, LOOK, least_fall(experiment, before) if before > far else LEAST_FALL)
+        if state.chi == before or (state.chi > far and before - state.chi <= _negligible(experiment, state.chi)):
             break
     return state
 

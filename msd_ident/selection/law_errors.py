@@ -118,28 +118,36 @@ def clearness(causes: Causes, sets: Mapping[Causes, Hypothesis], scale: NoiseSca
     It is (χ²(S − c) − χ²(S)) / max(χ²(S) − N, δN). Where the set leaves only noise, it leaves what the noise can hide,
     whose variance is known to δ = ``NOISE_ERROR``. If only the set's own residual tells of this noise, an error of its
     laws may be a part of it: then no cause is certain that may be one. A law that holds Coulomb friction as a limit is
-    compared with Coulomb friction in its place too; where the set leaves more than noise, so that none of the laws is
-    the rig's, each is compared with every other one in its place. Causes without a fitted smaller set are left out.
+    compared with Coulomb friction in its place too. Causes without a fitted smaller set are left out.
     """
     found, left, most = {}, sets[causes].chi - scale.noise, math.inf
-    exact = leaves_noise(sets[causes], scale.noise)
-    if exact:
+    if leaves_noise(sets[causes], scale.noise):
         left, most = NOISE_ERROR * scale.noise, CERTAIN_ODDS if scale.other_noise else math.inf
     for name in causes:
-        limits = [_fitted(causes - {name}, sets)]
-        limits += [causes - {name} | {COULOMB}] if name in HOLDING_COULOMB else []
-        limits += [] if exact else _in_place(name, causes, sets)
+        limits = [_fitted(causes - {name}, sets), causes - {name} | {COULOMB}][: 1 + (name in HOLDING_COULOMB)]
         gains = [sets[limit].chi - sets[causes].chi for limit in limits if limit in sets]
         if gains:
             found[name] = min(max(min(gains), 0.0) / left, most)
     return found
 
 
-def _in_place(name: str, causes: Causes, sets: Mapping[Causes, Hypothesis]) -> list[Causes]:
-    """Fitted sets that have a law of another cause in the place of one of a set."""
-    others = causes - {name}
-    replaced = (one for one in sets if len(one) == len(causes) and others < one)
-    return [one for one in replaced if by_name(name).cause() not in kinds(one)]
+def instead(causes: Causes, sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> dict[str, dict[str, float]]:
+    """Laws of other causes that were fitted in the place of each of a set's, by what is left then.
+
+    For a cause c and a law d it is (χ²(S − c + d) − χ²(S)) / (χ²(S) − N), 0 where d leaves less. Where a set leaves
+    more than noise, none of its laws is the rig's, and what it leaves may move like the difference of two of them.
+    A law that holds Coulomb friction as a limit is no other force than that. Empty where a set leaves only noise.
+    """
+    left = sets[causes].chi - scale.noise
+    if leaves_noise(sets[causes], scale.noise):
+        return {}
+    found: dict[str, dict[str, float]] = {name: {} for name in causes}
+    for other in sets:
+        if len(other) == len(causes) == len(other & causes) + 1:
+            (name,), (law,) = causes - other, other - causes
+            if by_name(name).cause() not in kinds(other) and not (name == COULOMB and law in HOLDING_COULOMB):
+                found[name][law] = max(sets[other].chi - sets[causes].chi, 0.0) / left
+    return found
 
 
 def within_sampling(causes: Causes, sets: Mapping[Causes, Hypothesis]) -> frozenset[str]:

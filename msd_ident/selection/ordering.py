@@ -18,6 +18,7 @@ from msd_ident.selection.evidence import SHAPES, NoiseScale, log_evidence, log_p
 from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, Causes, Hypothesis, imitated
 from msd_ident.selection.law_errors import (
     clearness,
+    instead,
     leaves_noise,
     left_over,
     other_forms,
@@ -58,6 +59,7 @@ def rank(sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> Ranking:
         held={causes: sets[causes].kept("held", partial(_held, sets[causes])) for causes in order},
         sampled={causes: within_sampling(causes, sets) for causes in order},
         clear={causes: clearness(causes, sets, scale) for causes in order},
+        instead={causes: instead(causes, sets, scale) for causes in order},
         rubbing={causes: sets[rubs] for causes in order if (rubs := causes | {COULOMB}) in sets and rubs not in values},
         leaves={causes: part for causes in order if (part := left_over(causes, sets, scale.noise)) > LEFT_PART},
     )

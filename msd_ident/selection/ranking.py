@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from typing import TypeVar
 
 from msd_ident.estimate.levels import BEYOND_DOUBT
 from msd_ident.model.declarations import PLACE
@@ -72,6 +73,9 @@ def kinds(causes: Iterable[str]) -> frozenset[str]:
     return frozenset(by_name(name).cause() for name in causes)
 
 
+_Said = TypeVar("_Said")
+
+
 @dataclass(frozen=True)
 class Ranking:
     """Sets of causes by falling evidence.
@@ -88,6 +92,8 @@ class Ranking:
             its laws are not those of the rig, so none of its causes is certain.
         exact: sets that leave only noise: no error of their laws is seen.
         clear: how clearly a set needs each of its causes (``law_errors.clearness``).
+        instead: laws of other causes in the place of each of a set's that leaves more than noise, with how much more
+            they leave (``law_errors.instead``).
         slow: causes of a set of whose periods the records hold too few: less than one of a motion that they bring, or
             less than two along the travel. A drift, or a bend, of another kind may do the same: they are not certain.
         seldom: tones of a set that leaves more than noise, of which the records hold too few periods to show that they
@@ -122,6 +128,7 @@ class Ranking:
     leaves: Mapping[Causes, float] = field(default_factory=dict)
     exact: frozenset[Causes] = frozenset()
     clear: Mapping[Causes, Mapping[str, float]] = field(default_factory=dict)
+    instead: Mapping[Causes, Mapping[str, Mapping[str, float]]] = field(default_factory=dict)
     slow: Mapping[Causes, frozenset[str]] = field(default_factory=dict)
     seldom: Mapping[Causes, frozenset[str]] = field(default_factory=dict)
     held: Mapping[Causes, frozenset[str]] = field(default_factory=dict)
@@ -169,7 +176,7 @@ class Ranking:
         both = (law, self.best) if names else (law,)
         share = self.probability[0] / len(both)
 
-        def told(parts: Mapping[str, float]) -> dict[str, float]:
+        def told(parts: Mapping[str, _Said]) -> dict[str, _Said]:
             return {names.get(name, name): part for name, part in parts.items()}
 
         return replace(
@@ -182,6 +189,7 @@ class Ranking:
             leaves={**self.leaves, **({new: self.leaves[old]} if old in self.leaves else {})},
             exact=self.exact | ({new} if old in self.exact else set()),
             clear={**self.clear, new: told(self.clear.get(old, {}))},
+            instead={**self.instead, new: told(self.instead.get(old, {}))},
             slow={**self.slow, new: frozenset(names.get(name, name) for name in self.slow.get(old, ()))},
             seldom={**self.seldom, new: frozenset(names.get(name, name) for name in self.seldom.get(old, ()))},
             held={**self.held, new: frozenset(names.get(name, name) for name in self.held.get(old, ()))},
@@ -286,12 +294,20 @@ class Ranking:
         if self.curved_by(causes, law):
             odds = min(odds, uncertain(effect), CERTAIN_ODDS)
         if causes not in self.exact:
-            over_left = self.clear.get(causes, {}).get(law, math.inf)
+            over_left = self.over_left(causes, law, among)
             clear = min(over_left, self._shaped(causes, law))
             clear *= max(min(clear, _usual(effect)), 1.0)
             least = FORM_ODDS * Effect.prior_odds
             odds = min(odds, max(clear, least if over_left >= 1.0 else min(_usual(effect), least)))
         return probability_at(odds)
+
+    def over_left(self, causes: Causes, law: str, among: frozenset[str] = frozenset()) -> float:
+        """What a law of a set explains, over what the set leaves: beyond the set without it, and beyond the same with a
+        law of another cause in its place, if that is none of the causes ``among``.
+        """
+        others = self.instead.get(causes, {}).get(law, {}).items()
+        beyond = [value for other, value in others if by_name(other).cause() not in among]
+        return min([self.clear.get(causes, {}).get(law, math.inf), *beyond])
 
     def _drifts_beside_a_drift(self, causes: Causes, law: str) -> bool:
         """Whether a law is slower than the record, beside one that changes with time as slowly: two slow curves over

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from msd_ident.estimate.effort import KEPT
 from msd_ident.model.effects import by_name
 from msd_ident.selection.hypothesis import Causes, Hypothesis
-from msd_ident.selection.ranking import DECISIVE, ROUNDING, Ranking, certain, kinds
+from msd_ident.selection.ranking import CERTAIN_ODDS, DECISIVE, ROUNDING, Ranking, certain, kinds
 
 
 def tied(ranking: Ranking, name: str) -> tuple[str, ...]:
@@ -22,12 +23,22 @@ def tied(ranking: Ranking, name: str) -> tuple[str, ...]:
     sure, named = ranking.of_cause(name), ranking.best.causes
     found = list(alternatives(ranking, name))
     found += [other for law, other in ranking.alike.get(named, {}).items() if law == name]
+    found += [] if certain(sure) else _instead(ranking, name)
     if not found and not certain(sure):
         kind = by_name(name).cause()
         near = [one for one in ranking.within(DECISIVE) if kind not in kinds(one.causes)]
         found += _unnamed(near, named)
     found += [other for other in _unnamed(ranking.sets, named) if ranking.of_cause(other) > sure + ROUNDING]
     return tuple(dict.fromkeys(found))
+
+
+def _instead(ranking: Ranking, name: str) -> list[str]:
+    """Laws in the place of one of the leading set that leave so little more that this one is not certain: a few, those
+    that leave least.
+    """
+    others = ranking.instead.get(ranking.best.causes, {}).get(name, {})
+    near = sorted((value, law) for law, value in others.items() if value < CERTAIN_ODDS)
+    return [law for _, law in near[:KEPT] if by_name(law).cause() not in kinds(ranking.best.causes)]
 
 
 def alternatives(ranking: Ranking, name: str) -> tuple[str, ...]:

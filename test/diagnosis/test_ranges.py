@@ -32,7 +32,7 @@ def unlike_the_library(seed: int, experiment: dict[str, object]) -> Diagnosis:
     rig = {
         "mass": 1.0, "damping": rng.uniform(1.0, 3.0), "stiffness": rng.uniform(400.0, 800.0), "rate": 250.0,
         "friction_coefficient": 0.0, "encoder": {"counts_per_metre": 1e5, "noise": 0.0}, "seed": seed,
-        "effects": {"asymmetric_spring": {"quadratic_stiffness": 3e3}, "coulomb_friction": {"coulomb_force": 0.2}},
+        "effects": {"asymmetric_spring": {"quadratic_stiffness": 1.2e4}, "coulomb_friction": {"coulomb_force": 0.2}},
     }  # fmt: skip
     made = simulate({**rig, "experiment": experiment})
     return diagnose_records(Task((Record(made.time, made.position, made.force_time, made.force),)))
