@@ -94,7 +94,9 @@ def of_any_strength(experiment: Experiment, leader: Hypothesis, causes: Causes, 
     for share in _shares(new, values) if scaled else (1.0,):
         model = replace(leader.model, effects=(*kept, *(_weaker(effect, share) for effect in new)))
         problem, weighting, point = formulated(experiment, model, leader.initial, own - scaled)
-        chi, point = _brought(weighting, point, [problem.names.index(name) for name in sorted(scaled)])
+        chi, point = _brought(
+            weighting, point, [problem.names.index(name) for name in sorted(scaled & set(problem.names))]
+        )
         found.append((chi, Imagined(causes, problem, point)))
     return min(found, key=lambda one: one[0])[1]
 

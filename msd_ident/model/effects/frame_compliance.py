@@ -6,6 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from msd_ident.model.declarations import Parameter, RecordScales
 from msd_ident.model.effects import typical
 from msd_ident.model.effects.base import Effect
@@ -16,6 +18,8 @@ if TYPE_CHECKING:
 
 #: Largest part of the reading's range that it makes.
 _MOST = 0.5
+#: Part of the force's variance that a straight line over the reading explains, from which on the law is a scale of that.
+_A_SCALE = 0.99
 
 
 @dataclass(frozen=True)
@@ -49,9 +53,13 @@ class FrameCompliance(Effect):
 
     @classmethod
     def fits(cls, record: Record) -> bool:
-        """Whether any force acts that changes."""
+        """Whether a force acts that changes, and not in proportion to the reading: under a proportional controller with
+        one setpoint x + c·F is nothing but another scale of the reading.
+        """
         levels = record.force_at(record.time)
-        return float(levels.max() - levels.min()) > 0.0
+        if not (np.ptp(levels) > 0.0 and np.ptp(record.position) > 0.0):
+            return False
+        return float(np.corrcoef(levels, record.position)[0, 1]) ** 2 < _A_SCALE
 
     @classmethod
     def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:
