@@ -66,7 +66,8 @@ class Cut:
     @cached_property
     def needless(self) -> bool:
         """Whether the weight is none: fitted to the stretches, it is too light for an unstable motion. Or a model
-        without it leaves less than twice the error on the stretches, and less than a quarter of the motion on the whole records.
+        without it leaves less than twice the error on the stretches, and less than a quarter of the motion on the whole
+        records.
 
         A regression finds a weight on an axis that stands upright, too, where that does what noise or a hidden mass do.
         """

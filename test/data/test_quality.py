@@ -206,6 +206,16 @@ def test_a_rate_that_changes_is_told() -> None:
     assert "1000 Hz" in finding.sentence
 
 
+def test_stamps_that_scatter_in_long_runs_are_no_second_rate() -> None:
+    """Intervals of a measured joint, 0.7 to 1.8 ms around 1 ms, were called 1000 Hz and 714 Hz."""
+    record, rng = experiment(), np.random.default_rng(4)
+    slow = np.repeat(rng.random(record.samples // 15 + 1) < 0.1, 15)[: record.samples - 1]
+    intervals = 1e-3 * np.where(slow, rng.uniform(1.26, 1.6, slow.size), rng.uniform(0.8, 1.25, slow.size))
+    time = np.concatenate(([0.0], np.cumsum(intervals)))
+    codes = [one.code for one in check(keep(replace(record, time=time), np.arange(time.size)))]
+    assert "two_rates" not in codes and "jitter" in codes
+
+
 @pytest.mark.parametrize(("every", "words"), [(10, ["1000 Hz", "100 Hz"]), (1, ["1000 Hz and 1000 Hz"])])
 def test_two_publishers_on_one_topic_are_told(every: int, words: list[str]) -> None:
     record = experiment()

@@ -153,7 +153,10 @@ def test_a_set_that_was_not_checked_says_why(fitted: dict[frozenset[str], Hypoth
     assert left_unchecked(named, None) == left_unchecked(named, matrix) == ()
     open_ = replace(named, unchecked=True)
     (alone,), (after,) = left_unchecked(open_, None), left_unchecked(open_, matrix)
-    assert "copies of this long record were not simulated" in alone and "--calibrate makes the copies" in alone
+    assert (
+        "copies of this record, which take long to simulate, were not made" in alone
+        and "--calibrate makes the copies" in alone
+    )
     assert after.startswith("The copies of this record were made of another explanation, which they did not confirm:")
     both = replace(ranking(fitted, both=0.98, nothing=0.02), unchecked=True)
     assert "odds are at most 60 to 1. " in alone

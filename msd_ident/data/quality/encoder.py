@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -79,7 +80,7 @@ def rate(record: Record, motion: Motion) -> Iterator[Finding]:
         period = 2 * motion.half_period
         yield warning(
             "low_rate",
-            f"one oscillation of {period:.3g} s has only {samples:.1f} samples; expected {_FEW_SAMPLES} or more: "
+            f"one oscillation of {period:.3g} s has only {math.floor(10.0 * samples) / 10.0:.1f} samples; expected {_FEW_SAMPLES} or more: "
             f"sample at {_FEW_SAMPLES / period:.3g} Hz or faster",
         )
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 #: Largest part of the reading's range that it makes.
 _MOST = 0.5
-#: Part of the force's variance that a straight line over the reading explains, from which on the law is a scale of that.
+#: Part of the force's variance that a line over the reading explains, from which on the law is a scale of that.
 _A_SCALE = 0.99
 
 
