@@ -39,8 +39,8 @@ def sentences(ranking: Ranking) -> tuple[str, ...]:
             "another law, so no named cause is certain."
         )
     said += [
-        f"what is left is {100.0 * part:.0f} % of what is left without {spoken(name)}, or with another law in its "
-        "place, and may move like it, so it is not certain."
+        f"what is left is {100.0 * part:.0f} % of what is left without {spoken(name)}, and may move like it, so it is "
+        "not certain."
         for name, part in _unclear(ranking).items()
     ]
     said += [
@@ -147,9 +147,8 @@ def _unclear(ranking: Ranking) -> dict[str, float]:
     if named in ranking.exact or named in ranking.leaves:
         return {}
     told = ranking.further.get(named, {})
-    clear = {name: ranking.over_left(named, name) for name in sorted(ranking.clear.get(named, {}))}
     return {
-        name: 1.0 / math.sqrt(1.0 + value)
-        for name, value in clear.items()
-        if name not in told and value < CERTAIN_ODDS and not certain(ranking.of_cause(name))
+        name: 1.0 / math.sqrt(1.0 + clear)
+        for name, clear in sorted(ranking.clear.get(named, {}).items())
+        if name not in told and clear < CERTAIN_ODDS and not certain(ranking.of_cause(name))
     }

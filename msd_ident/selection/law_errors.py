@@ -132,10 +132,11 @@ def clearness(causes: Causes, sets: Mapping[Causes, Hypothesis], scale: NoiseSca
 
 
 def instead(causes: Causes, sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> dict[str, dict[str, float]]:
-    """Laws of other causes that were fitted in the place of each of a set's, by what is left then.
+    """Laws of other causes that were fitted in the place of each of a set's, with the odds of that one beside each.
 
-    For a cause c and a law d it is (χ²(S − c + d) − χ²(S)) / (χ²(S) − N), 0 where d leaves less. Where a set leaves
-    more than noise, none of its laws is the rig's, and what it leaves may move like the difference of two of them.
+    For a cause c and a law d they are (χ²(S − c + d) − χ²(S)) / (χ²(S) − N), 0 where d leaves less, times the odds
+    before any data. Where a set leaves more than noise, none of its laws is the rig's, and what it leaves may move like
+    the difference of two of them.
     A law that holds Coulomb friction as a limit is no other force than that. Empty where a set leaves only noise.
     """
     left = sets[causes].chi - scale.noise
@@ -146,7 +147,8 @@ def instead(causes: Causes, sets: Mapping[Causes, Hypothesis], scale: NoiseScale
         if len(other) == len(causes) == len(other & causes) + 1:
             (name,), (law,) = causes - other, other - causes
             if by_name(name).cause() not in kinds(other) and not (name == COULOMB and law in HOLDING_COULOMB):
-                found[name][law] = max(sets[other].chi - sets[causes].chi, 0.0) / left
+                likelier = by_name(name).prior_odds / by_name(law).prior_odds
+                found[name][law] = likelier * max(sets[other].chi - sets[causes].chi, 0.0) / left
     return found
 
 

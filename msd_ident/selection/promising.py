@@ -35,8 +35,8 @@ def explains(fitted: Hypothesis, base: Hypothesis) -> bool:
 
 
 def pairs(experiment: Experiment, sets: Mapping[Causes, Hypothesis], ranking: Ranking) -> list[Causes]:
-    """Pairs of the causes that leave least by themselves, of the likeliest ones, and of laws that are linear in their
-    parameters.
+    """Pairs of the simple laws that leave least by themselves, of the likeliest ones, and of laws that are linear in their
+    parameters. Another form of a law is tried where the simple one leads.
 
     Where two causes act, each alone may leave more than a third one does that acts a little like both. That leaves
     least where it is flexible; the evidence, which knows how much that says, still has both near. Two linear laws have
@@ -47,8 +47,9 @@ def pairs(experiment: Experiment, sets: Mapping[Causes, Hypothesis], ranking: Ra
         sets: all fitted sets by their causes.
         ranking: the same by evidence.
     """
-    alone = sorted((one for one in sets.values() if len(one.causes) == 1), key=lambda fitted: fitted.chi)
+    simple = [frozenset({name}) for name in experiment.tried_alone]
+    alone = sorted((sets[causes] for causes in simple if causes in sets), key=lambda fitted: fitted.chi)
     near = [one.causes for one in alone[:LEADERS] if one.chi < COMPARABLE * alone[0].chi]
-    likely = [one.causes for one in ranking.within(NEAR) if len(one.causes) == 1][:LEADERS]
+    likely = [one.causes for one in ranking.within(NEAR) if one.causes in simple][:LEADERS]
     plain = [frozenset({name}) for name in experiment.tried_alone if by_name(name).is_linear()]
     return [one | other for group in (near, likely, plain) for one, other in combinations(group, 2)]

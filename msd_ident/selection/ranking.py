@@ -92,8 +92,8 @@ class Ranking:
             its laws are not those of the rig, so none of its causes is certain.
         exact: sets that leave only noise: no error of their laws is seen.
         clear: how clearly a set needs each of its causes (``law_errors.clearness``).
-        instead: laws of other causes in the place of each of a set's that leaves more than noise, with how much more
-            they leave (``law_errors.instead``).
+        instead: laws of other causes in the place of each of a set's that leaves more than noise, with the odds of that
+            one beside each (``law_errors.instead``).
         slow: causes of a set of whose periods the records hold too few: less than one of a motion that they bring, or
             less than two along the travel. A drift, or a bend, of another kind may do the same: they are not certain.
         seldom: tones of a set that leaves more than noise, of which the records hold too few periods to show that they
@@ -294,20 +294,19 @@ class Ranking:
         if self.curved_by(causes, law):
             odds = min(odds, uncertain(effect), CERTAIN_ODDS)
         if causes not in self.exact:
-            over_left = self.over_left(causes, law, among)
+            over_left, beside = self.clear.get(causes, {}).get(law, math.inf), self.beside_others(causes, law, among)
             clear = min(over_left, self._shaped(causes, law))
-            clear *= max(min(clear, _usual(effect)), 1.0)
+            clear = min(clear * max(min(clear, _usual(effect)), 1.0), beside)
             least = FORM_ODDS * Effect.prior_odds
-            odds = min(odds, max(clear, least if over_left >= 1.0 else min(_usual(effect), least)))
+            odds = min(odds, max(clear, least if min(over_left, beside) >= 1.0 else min(_usual(effect), least)))
         return probability_at(odds)
 
-    def over_left(self, causes: Causes, law: str, among: frozenset[str] = frozenset()) -> float:
-        """What a law of a set explains, over what the set leaves: beyond the set without it, and beyond the same with a
-        law of another cause in its place, if that is none of the causes ``among``.
+    def beside_others(self, causes: Causes, law: str, among: frozenset[str] = frozenset()) -> float:
+        """Least odds of a law of a set beside those of other causes in its place (``instead``), but for the causes
+        ``among``.
         """
         others = self.instead.get(causes, {}).get(law, {}).items()
-        beyond = [value for other, value in others if by_name(other).cause() not in among]
-        return min([self.clear.get(causes, {}).get(law, math.inf), *beyond])
+        return min((odds for other, odds in others if by_name(other).cause() not in among), default=math.inf)
 
     def _drifts_beside_a_drift(self, causes: Causes, law: str) -> bool:
         """Whether a law is slower than the record, beside one that changes with time as slowly: two slow curves over
