@@ -35,8 +35,8 @@ def explains(fitted: Hypothesis, base: Hypothesis) -> bool:
 
 
 def pairs(experiment: Experiment, sets: Mapping[Causes, Hypothesis], ranking: Ranking) -> list[Causes]:
-    """Pairs of the simple laws that leave least by themselves, of the likeliest ones, and of laws that are linear in their
-    parameters. Another form of a law is tried where the simple one leads.
+    """Pairs of the simple laws that leave least by themselves, of the likeliest ones, and of laws that are linear in
+    their parameters. Another form of a law is tried where the simple one leads.
 
     Where two causes act, each alone may leave more than a third one does that acts a little like both. That leaves
     least where it is flexible; the evidence, which knows how much that says, still has both near. Two linear laws have

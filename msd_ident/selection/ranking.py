@@ -294,11 +294,11 @@ class Ranking:
         if self.curved_by(causes, law):
             odds = min(odds, uncertain(effect), CERTAIN_ODDS)
         if causes not in self.exact:
-            over_left, beside = self.clear.get(causes, {}).get(law, math.inf), self.beside_others(causes, law, among)
+            over_left, others = self.clear.get(causes, {}).get(law, math.inf), self.beside_others(causes, law, among)
             clear = min(over_left, self._shaped(causes, law))
-            clear = min(clear * max(min(clear, _usual(effect)), 1.0), beside)
+            clear = min(clear * max(min(clear, _usual(effect)), 1.0), others)
             least = FORM_ODDS * Effect.prior_odds
-            odds = min(odds, max(clear, least if min(over_left, beside) >= 1.0 else min(_usual(effect), least)))
+            odds = min(odds, max(clear, least if min(over_left, others) >= 1.0 else min(_usual(effect), least)))
         return probability_at(odds)
 
     def beside_others(self, causes: Causes, law: str, among: frozenset[str] = frozenset()) -> float:

@@ -225,7 +225,8 @@ def left_unchecked(ranking: Ranking, matrix: Calibration | None) -> tuple[str, .
         return (f"The copies of this record were made of another explanation, which they did not confirm: {limit}.",)
     return (
         "One step, a ramp or a release excites little, and copies of this record, which take long to simulate, were "
-        f"not made to check the probabilities: {limit}. --calibrate makes the copies; steps in both directions need none.",
+        f"not made to check the probabilities: {limit}. --calibrate makes the copies; steps in both directions need "
+        "none.",
     )
 
 
