@@ -11,7 +11,9 @@ from setrigs import BASE, fitted, ranked, steps
 from msd_ident.model import Effect
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.cubic_spring import CubicSpring
+from msd_ident.model.effects.direction_dependent_damping import DirectionDependentDamping
 from msd_ident.model.effects.end_stop import EndStop
+from msd_ident.model.effects.force_offset import ForceOffset
 from msd_ident.model.effects.quadratic_drag import QuadraticDrag
 from msd_ident.model.effects.sensor_eccentricity import SensorEccentricity
 from msd_ident.model.effects.sensor_nonlinearity import SensorNonlinearity
@@ -21,7 +23,8 @@ from msd_ident.selection import doubts
 from msd_ident.selection.evidence import scale_from
 from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.ordering import rank
-from msd_ident.selection.ranking import CERTAIN, FAINT
+from msd_ident.selection.ranking import CERTAIN, FAINT, certain
+from msd_ident.selection.ties import tied
 
 
 @pytest.fixture
@@ -225,3 +228,26 @@ def test_the_second_of_two_curves_of_the_sensor_is_not_certain_where_more_is_lef
     found = ranked(sets)
     assert found.best.causes == {wheel.name, bent.name}
     assert found.of_cause(wheel.name) == pytest.approx(6.6 / 7.6, abs=0.01) and found.of_cause(bent.name) <= CERTAIN
+
+
+def test_where_more_than_noise_is_left_a_law_is_compared_with_each_in_its_place(experiment: Experiment) -> None:
+    """A measured axis has an offset; far from its noise, damping that differs between directions was certain."""
+    rubs, damped, offset = BASE + CoulombFriction(0.1), DirectionDependentDamping(1.0), ForceOffset(0.1)
+    left = 840.0 * 10.0**2
+    sets = {
+        "nothing": fitted(experiment, BASE, 840.0 * 300.0**2),
+        "rubs": fitted(experiment, rubs, 840.0 * 100.0**2),
+        "named": fitted(experiment, rubs + damped, left),
+        "in place": fitted(experiment, rubs + offset, left + 2.0 * (left - 840.0)),
+        "without friction": fitted(experiment, BASE + offset + damped, 840.0 * 200.0**2),
+        "another friction": fitted(experiment, BASE + StribeckFriction(0.1, 0.2, 0.01) + damped, left),
+    }
+    found = ranked(sets).led_by(sets["named"])
+    told = found.instead[found.best.causes]
+    likelier = DirectionDependentDamping.prior_odds / ForceOffset.prior_odds
+    assert told[damped.name] == {offset.name: pytest.approx(2.0 * likelier)}
+    assert "stribeck_friction" not in told["coulomb_friction"], "it holds Coulomb friction as a limit"
+    assert not certain(found.of_cause(damped.name)) and tied(found, damped.name)[0] == offset.name
+    assert found.of_any((damped.name, offset.name)) > found.of_cause(damped.name), "which is in doubt, not whether one"
+    exact = {**sets, "named": fitted(experiment, rubs + damped, 840.0)}
+    assert ranked(exact).instead[found.best.causes] == {}, "no error of a law is seen"

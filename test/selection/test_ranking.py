@@ -242,6 +242,24 @@ def test_a_motion_of_which_the_record_holds_less_than_a_period_is_not_certain(ex
     assert bands.longest_period() == pytest.approx(2.0 * math.pi)
 
 
+@pytest.mark.parametrize(("periods", "floors", "sure"), [(2.7, 10.0, False), (2.7, 1.0, True), (12.0, 10.0, True)])
+def test_a_tone_of_few_periods_is_not_certain_where_more_than_noise_is_left(
+    experiment: Experiment, periods: float, floors: float, sure: bool
+) -> None:
+    """Of a push of half a second, a tone of 2.7 periods was named with 0.97: nothing on that rig turns."""
+    duration = max(record.duration for record in experiment.records)
+    tone = PeriodicDisturbance(0.1, 2.0 * math.pi * periods / duration, 0.0)
+    found = ranked(
+        {
+            "nothing": fitted(experiment, BASE, 840.0 * 1000.0**2),
+            "tone": fitted(experiment, BASE + tone, 840.0 * floors**2),
+        }
+    )
+    assert found.best.causes == {tone.name} and certain(found.of_cause(tone.name)) is sure
+    said = any("fewer than 10 periods of periodic disturbance" in one for one in doubts.sentences(found))
+    assert said is not sure
+
+
 def test_beside_a_drift_what_is_slower_than_the_record_is_even_with_another_drift(experiment: Experiment) -> None:
     """A sensor that settles and drifts was named as a drift beside a disturbance of two record lengths, with 0.90."""
     duration, drift = max(record.duration for record in experiment.records), SensorDrift(1e-4)
