@@ -69,3 +69,13 @@ def test_a_decay_has_none() -> None:
     time = np.arange(500) / 250.0
     decay = from_samples(time, np.zeros(500), 0.01 * np.exp(-time) * np.cos(20.0 * time))
     assert not FrameCompliance.fits(decay)
+
+
+def test_under_a_proportional_controller_it_is_a_scale_of_the_reading() -> None:
+    """Of five measured records of such loops it was named with negative values, up to 0.90."""
+    time = np.arange(500) / 250.0
+    reading = 0.1 * (1.0 - np.exp(-3.0 * time) * np.cos(9.0 * time))
+    setpoint = np.where(time < 1.0, 0.1, 0.15)
+    assert not FrameCompliance.fits(from_samples(time, 100.0 * (0.1 - reading), reading))
+    assert FrameCompliance.fits(from_samples(time, 100.0 * (setpoint - reading), reading)), "the setpoint jumps"
+    assert not FrameCompliance.fits(from_samples(time, time, np.zeros(500))), "nothing moves"

@@ -50,3 +50,13 @@ def test_strengths_by_lot_are_inside_the_law_s_bounds_and_differ() -> None:
         drawn = [law.guess(record, plant)[0].by_lot(rng, record, plant) for _ in range(5)]
         assert len({one.values for one in drawn}) == 5, law.name
         assert all(p.lower <= v <= p.upper for one in drawn for p, v in zip(one.parameters, one.values, strict=True))
+
+
+def test_a_law_without_its_limit_has_a_copy_beside_one_that_shares_a_force_with_the_leader() -> None:
+    """``--end 0.45`` of a measured record ended in a traceback: the limit at infinity is no fitted force."""
+    experiment = Experiment(prepare([measured(STEP, noise=5e-6)]), Plant(1.0, 2.0, 400.0), frozenset())
+    model = experiment.base + CoulombFriction(0.3)
+    lead = refine(experiment, RUB, model, experiment.problem(model).initial)
+    wanted = frozenset({"force_gain_nonlinearity", "stribeck_friction"})
+    found = synthetic_records.of_any_strength(experiment, lead, wanted, np.random.default_rng(3))
+    assert found.causes == wanted and np.all(np.isfinite(found.point))
