@@ -88,15 +88,13 @@ def of_any_strength(experiment: Experiment, leader: Hypothesis, causes: Causes, 
         drawn = replace(guess, **shared).by_lot(rng, seen, plant)  # type: ignore[type-var]
         new.append(replace(drawn, **shared))  # type: ignore[type-var]
     own = frozenset(p.name for effect in new for p in effect.parameters)
-    forces = frozenset(p.name for effect in new for p in effect.parameters if p.unit == "N")
+    forces = frozenset(name for effect in new for name in _forces(effect))
     scaled = forces if own & set(values) else frozenset()
     found = []
     for share in _shares(new, values) if scaled else (1.0,):
         model = replace(leader.model, effects=(*kept, *(_weaker(effect, share) for effect in new)))
         problem, weighting, point = formulated(experiment, model, leader.initial, own - scaled)
-        chi, point = _brought(
-            weighting, point, [problem.names.index(name) for name in sorted(scaled & set(problem.names))]
-        )
+        chi, point = _brought(weighting, point, [problem.names.index(name) for name in sorted(scaled)])
         found.append((chi, Imagined(causes, problem, point)))
     return min(found, key=lambda one: one[0])[1]
 
@@ -106,7 +104,7 @@ def _shares(new: Sequence[Effect], values: Mapping[str, float]) -> tuple[float, 
 
     A quick motion shows the least force of a law, a slow one the largest.
     """
-    pairs = [(p.name, getattr(effect, p.name)) for effect in new for p in effect.parameters if p.unit == "N"]
+    pairs = [pair for effect in new for pair in _forces(effect).items()]
     least = max((value for name, value in pairs if name in values), default=0.0)
     largest = max((value for _, value in pairs), default=0.0)
     return (1.0, least / largest) if least > 0.0 else (1.0,)
@@ -114,8 +112,14 @@ def _shares(new: Sequence[Effect], values: Mapping[str, float]) -> tuple[float, 
 
 def _weaker(effect: Effect, share: float) -> Effect:
     """The same law with all its forces times ``share``."""
-    forces = {p.name: share * getattr(effect, p.name) for p in effect.parameters if p.unit == "N"}
+    forces = {name: share * force for name, force in _forces(effect).items()}
     return replace(effect, **forces)  # type: ignore[type-var]
+
+
+def _forces(effect: Effect) -> dict[str, float]:
+    """Its forces [N], but for limits at infinity."""
+    found = {p.name: float(getattr(effect, p.name)) for p in effect.parameters if p.unit == "N"}
+    return {name: force for name, force in found.items() if math.isfinite(force)}
 
 
 def _brought(weighting: Weighting, point: FloatArray, together: Sequence[int]) -> tuple[float, FloatArray]:
