@@ -257,8 +257,15 @@ class Ranking:
         return sum(p for p, one in zip(self.probability, self.sets, strict=True) if law in one.causes)
 
     def stated(self, causes: Causes) -> float:
-        """Probability of a set as it is stated: no more than that of its least probable cause."""
-        return min((self.of_set(causes), *map(self.of_cause, causes)))
+        """Probability of a set as it is stated: lowered as that of each of its causes is, so that all sets with a cause
+        are together no likelier than the cause.
+        """
+        return self.of_set(causes) * min((1.0, *map(self._lowered, kinds(causes))))
+
+    def _lowered(self, kind: str) -> float:
+        """Probability of a cause over that of all sets that hold it."""
+        whole = sum(p for p, one in zip(self.probability, self.sets, strict=True) if kind in kinds(one.causes))
+        return self.of_cause(kind) / whole if whole > 0.0 else 1.0
 
     def _greatest(self, causes: Causes, law: str, among: frozenset[str] = frozenset()) -> float:
         """Greatest probability that a law of a set, or one of the causes ``among`` in its place, acts, if the set is

@@ -6,6 +6,7 @@ import math
 from dataclasses import replace
 from itertools import combinations
 
+import likelihoods
 import numpy as np
 import pytest
 from setrigs import BASE, fitted, odds, ranked, steps
@@ -240,6 +241,18 @@ def test_a_motion_of_which_the_record_holds_less_than_a_period_is_not_certain(ex
     assert replace(tones, second_tone_amplitude=0.0).longest_period() == pytest.approx(1.0)
     bands = ModulatedDisturbance(1.0, 6.0, 0.0, 5.0, 0.5, 0.0, 0.0, 0.0)
     assert bands.longest_period() == pytest.approx(2.0 * math.pi)
+
+
+def test_sets_that_hold_a_cause_are_together_no_likelier_than_the_cause() -> None:
+    """Two springs had 50 % each, beside further explanations with both of them of 50 and 4 %."""
+    both = ("cubic_spring", "relaxing_spring")
+    found = likelihoods.ranking({both: 0.5, (*both, "coulomb_friction"): 0.4, ("coulomb_friction",): 0.1}, both)
+    for limited in (found, replace(found, unchecked=True), replace(found, foretold=True)):
+        for name in ("cubic_spring", "relaxing_spring", "coulomb_friction"):
+            held = sum(limited.stated(one.causes) for one in limited.sets if name in one.causes)
+            assert held <= limited.of_cause(name) + 1e-12, name
+    exact = replace(found, exact=frozenset(one.causes for one in found.sets))
+    assert exact.stated(frozenset(both)) == pytest.approx(0.5), "where nothing lowers a cause"
 
 
 @pytest.mark.parametrize(("periods", "floors", "sure"), [(2.7, 10.0, False), (2.7, 1.0, True), (12.0, 10.0, True)])
