@@ -251,7 +251,7 @@ def test_sets_that_hold_a_cause_are_together_no_likelier_than_the_cause() -> Non
         for name in ("cubic_spring", "relaxing_spring", "coulomb_friction"):
             held = sum(limited.stated(one.causes) for one in limited.sets if name in one.causes)
             assert held <= limited.of_cause(name) + 1e-12, name
-    exact = replace(found, exact=frozenset(one.causes for one in found.sets))
+    exact = replace(found, exact=frozenset(one.causes for one in found.sets), rich=True)
     assert exact.stated(frozenset(both)) == pytest.approx(0.5), "where nothing lowers a cause"
 
 
