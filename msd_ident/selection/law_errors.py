@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from msd_ident.estimate.levels import MOST_OF
 from msd_ident.model.effects import LIBRARY, by_name
 from msd_ident.residuals.noise_model import NOISE_ERROR
-from msd_ident.selection.evidence import LEAST_SPREAD, NoiseScale
+from msd_ident.selection.evidence import LEAST_SPREAD, NoiseScale, log_prior
 from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, Causes, Hypothesis
 from msd_ident.selection.ranking import CERTAIN_ODDS, FAINT, FORM_PART, ROUGH, kinds
 
@@ -131,24 +131,25 @@ def clearness(causes: Causes, sets: Mapping[Causes, Hypothesis], scale: NoiseSca
     return found
 
 
-def instead(causes: Causes, sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> dict[str, dict[str, float]]:
-    """Laws of other causes that were fitted in the place of each of a set's, with the odds of that one beside each.
+def instead(causes: Causes, sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> dict[str, dict[Causes, float]]:
+    """Sets without each cause of a set and with no more causes in all, with the odds of the set beside each.
 
-    For a cause c and a law d they are (χ²(S − c + d) − χ²(S)) / (χ²(S) − N), 0 where d leaves less, times the odds
-    before any data. Where a set leaves more than noise, none of its laws is the rig's, and what it leaves may move like
-    the difference of two of them.
-    A law that holds Coulomb friction as a limit is no other force than that. Empty where a set leaves only noise.
+    For a set S and a set R without the cause they are (χ²(R) − χ²(S)) / (χ²(S) − N), 0 where R leaves less; of as many
+    causes, times the odds of S beside R before any data. Where a set leaves more than noise, none of its laws is the
+    rig's, and what it leaves may move like the difference of the two. A law that holds Coulomb friction as a limit is
+    no other force than that. Empty where a set leaves only noise.
     """
     left = sets[causes].chi - scale.noise
     if leaves_noise(sets[causes], scale.noise):
         return {}
-    found: dict[str, dict[str, float]] = {name: {} for name in causes}
-    for other in sets:
-        if len(other) == len(causes) == len(other & causes) + 1:
-            (name,), (law,) = causes - other, other - causes
-            if by_name(name).cause() not in kinds(other) and not (name == COULOMB and law in HOLDING_COULOMB):
-                likelier = by_name(name).prior_odds / by_name(law).prior_odds
-                found[name][law] = likelier * max(sets[other].chi - sets[causes].chi, 0.0) / left
+    found: dict[str, dict[Causes, float]] = {name: {} for name in causes}
+    for other in (one for one in sets if 0 < len(one) <= len(causes)):
+        odds = max(sets[other].chi - sets[causes].chi, 0.0) / left
+        odds *= math.exp(log_prior(causes) - log_prior(other)) if len(other) == len(causes) else 1.0
+        held = kinds(other) | ({COULOMB} if other & set(HOLDING_COULOMB) else set())
+        for name in causes:
+            if by_name(name).cause() not in held:
+                found[name][other] = odds
     return found
 
 

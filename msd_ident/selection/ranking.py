@@ -92,8 +92,8 @@ class Ranking:
             its laws are not those of the rig, so none of its causes is certain.
         exact: sets that leave only noise: no error of their laws is seen.
         clear: how clearly a set needs each of its causes (``law_errors.clearness``).
-        instead: laws of other causes in the place of each of a set's that leaves more than noise, with the odds of that
-            one beside each (``law_errors.instead``).
+        instead: of the leading sets that leave more than noise, the sets without each of their causes, with the odds of
+            the leading one beside each (``law_errors.instead``).
         slow: causes of a set of whose periods the records hold too few: less than one of a motion that they bring, or
             less than two along the travel. A drift, or a bend, of another kind may do the same: they are not certain.
         seldom: tones of a set that leaves more than noise, of which the records hold too few periods to show that they
@@ -128,7 +128,7 @@ class Ranking:
     leaves: Mapping[Causes, float] = field(default_factory=dict)
     exact: frozenset[Causes] = frozenset()
     clear: Mapping[Causes, Mapping[str, float]] = field(default_factory=dict)
-    instead: Mapping[Causes, Mapping[str, Mapping[str, float]]] = field(default_factory=dict)
+    instead: Mapping[Causes, Mapping[str, Mapping[Causes, float]]] = field(default_factory=dict)
     slow: Mapping[Causes, frozenset[str]] = field(default_factory=dict)
     seldom: Mapping[Causes, frozenset[str]] = field(default_factory=dict)
     held: Mapping[Causes, frozenset[str]] = field(default_factory=dict)
@@ -309,11 +309,9 @@ class Ranking:
         return probability_at(odds)
 
     def beside_others(self, causes: Causes, law: str, among: frozenset[str] = frozenset()) -> float:
-        """Least odds of a law of a set beside those of other causes in its place (``instead``), but for the causes
-        ``among``.
-        """
+        """Least odds of a law of a set beside sets without its cause (``instead``) and without the causes ``among``."""
         others = self.instead.get(causes, {}).get(law, {}).items()
-        return min((odds for other, odds in others if by_name(other).cause() not in among), default=math.inf)
+        return min((odds for other, odds in others if among.isdisjoint(kinds(other))), default=math.inf)
 
     def _drifts_beside_a_drift(self, causes: Causes, law: str) -> bool:
         """Whether a law is slower than the record, beside one that changes with time as slowly: two slow curves over

@@ -33,12 +33,12 @@ def tied(ranking: Ranking, name: str) -> tuple[str, ...]:
 
 
 def _instead(ranking: Ranking, name: str) -> list[str]:
-    """Laws in the place of one of the leading set that leave so little more that this one is not certain: a few, those
-    that leave least.
-    """
+    """Causes of the few nearest sets beside which one of the leading set is not certain (``Ranking.instead``)."""
     others = ranking.instead.get(ranking.best.causes, {}).get(name, {})
-    near = sorted((value, law) for law, value in others.items() if value < CERTAIN_ODDS)
-    return [law for _, law in near[:KEPT] if by_name(law).cause() not in kinds(ranking.best.causes)]
+    near = sorted((odds, sorted(causes)) for causes, odds in others.items() if odds < CERTAIN_ODDS)
+    known = kinds(ranking.best.causes)
+    found = [by_name(law).cause() for _, causes in near[:KEPT] for law in causes]
+    return [cause for cause in dict.fromkeys(found) if cause not in known]
 
 
 def alternatives(ranking: Ranking, name: str) -> tuple[str, ...]:

@@ -245,8 +245,10 @@ def test_where_more_than_noise_is_left_a_law_is_compared_with_each_in_its_place(
     found = ranked(sets).led_by(sets["named"])
     told = found.instead[found.best.causes]
     likelier = DirectionDependentDamping.prior_odds / ForceOffset.prior_odds
-    assert told[damped.name] == {offset.name: pytest.approx(2.0 * likelier)}
-    assert "stribeck_friction" not in told["coulomb_friction"], "it holds Coulomb friction as a limit"
+    swapped, alone = frozenset({"coulomb_friction", offset.name}), frozenset({"coulomb_friction"})
+    assert told[damped.name][swapped] == pytest.approx(2.0 * likelier)
+    assert told[damped.name][alone] == pytest.approx((100.0**2 - 10.0**2) / (10.0**2 - 1.0)), "of fewer causes"
+    assert list(told["coulomb_friction"]) == [{offset.name, damped.name}], "Stribeck friction holds it as a limit"
     assert not certain(found.of_cause(damped.name)) and tied(found, damped.name)[0] == offset.name
     assert found.of_any((damped.name, offset.name)) > found.of_cause(damped.name), "which is in doubt, not whether one"
     exact = {**sets, "named": fitted(experiment, rubs + damped, 840.0)}
