@@ -6,10 +6,15 @@ Begin with ``proposal``, then ``evaluation`` (what a profile would show) and ``p
 
 from __future__ import annotations
 
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
 from msd_ident.design.limits import Limits, read_limits
 from msd_ident.design.profile import Profile, Segment
 from msd_ident.design.profile_file import read_profile, write_profile
-from msd_ident.design.proposal import Proposal, check, check_predictable, default_limits, design, proposing
+
+if TYPE_CHECKING:
+    from msd_ident.design.proposal import Proposal, check, check_predictable, default_limits, design, proposing
 
 __all__ = [
     "Limits",
@@ -25,3 +30,10 @@ __all__ = [
     "read_profile",
     "write_profile",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """What a proposal is made with, when it is asked for: a node that plays a profile needs no diagnosis."""
+    if name in __all__:
+        return getattr(import_module("msd_ident.design.proposal"), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
