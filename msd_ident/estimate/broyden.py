@@ -35,7 +35,7 @@ class State:
         jacobian: (p, n) derivatives of ``residual``.
         normal: Gauss–Newton matrix (p, p), the product of the Jacobian with its transpose.
         exact: whether the Jacobian was computed at this point; False after an update.
-        damping: with which a descent goes on from here: along a bent valley, one that begins anew makes short steps.
+        damping: with which the next descent begins. With the first one, it would make short steps along a bent valley.
     """
 
     point: FloatArray
@@ -107,7 +107,7 @@ class Weighting:
 
     def renewed(self, state: State) -> State:
         """The same point with its Jacobian computed there, by steps that follow from the last Jacobian."""
-        return self.exact(state.point, self.steps(state), state.residual)
+        return replace(self.exact(state.point, self.steps(state), state.residual), damping=state.damping)
 
     def columns(
         self, points: Sequence[FloatArray], entries: npt.NDArray[np.intp], steps: FloatArray
@@ -170,7 +170,7 @@ def descend(weighting: Weighting, state: State, steps: int, least_gain: float) -
 
     Args:
         weighting: problem and weights of the samples.
-        state: where to start; its Jacobian need not be exact.
+        state: where to start, and with which damping; its Jacobian need not be exact.
         steps: largest number of accepted steps.
         least_gain: predicted decrease of chi² below which the search ends. It ends only at an exact Jacobian: an
             updated one is computed anew first.

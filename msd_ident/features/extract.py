@@ -27,7 +27,7 @@ class Features:
         responses: one for each force step (or one for the free decay), in time order.
         standard_form: of all responses together; ``None`` without any.
         remarks: what a reader must know about the features, a sentence each.
-        freed: instant [s] before which the cart was held or pulled by hand; None where it is free from the start.
+        freed: instant [s] from which on models are fitted, as a hand held or pulled the cart before; None: the first.
     """
 
     kind: Kind

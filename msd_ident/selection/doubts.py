@@ -49,6 +49,11 @@ def sentences(ranking: Ranking) -> tuple[str, ...]:
         for name in unsure
         if name in ranking.held.get(named, ())
     ]
+    said += [
+        f"{' and '.join(map(spoken, sorted(other)))} without {spoken(name)} leave{'s' if len(other) == 1 else ''} so "
+        f"little more than what is named that {spoken(name)} is not certain."
+        for name, other in _near_without(ranking).items()
+    ]
     said += [*_slow(ranking, unsure), *_sampled(ranking, unsure), *_aging(ranking, unsure), *_steered(ranking, unsure)]
     if ranking.balanced and unsure:
         said.append(
@@ -137,6 +142,19 @@ def _aging(ranking: Ranking, unsure: Sequence[str]) -> list[str]:
         "more than noise is left, so a mass that changes with time could do what a stiffness that changes with time "
         "does: it is not certain. Weigh the moving mass before and after."
     ]
+
+
+def _near_without(ranking: Ranking) -> dict[str, Causes]:
+    """Named causes that are not certain because of a set without them (``Ranking.instead``), each with the nearest; of
+    these, those of which no other sentence tells, nor a tie.
+    """
+    named, found = ranking.best.causes, {}
+    for name, others in sorted(ranking.instead.get(named, {}).items()):
+        odds, other = min(((odds, sorted(other)) for other, odds in others.items()), default=(math.inf, []))
+        told = name in _unclear(ranking) or not kinds(other) <= kinds(named)
+        if odds < CERTAIN_ODDS and not told and not certain(ranking.of_cause(name)):
+            found[name] = frozenset(other)
+    return found
 
 
 def _unclear(ranking: Ranking) -> dict[str, float]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from msd_ident.data.record import FloatArray
 from msd_ident.estimate.broyden import State, Weighting, descend, step
-from msd_ident.estimate.effort import KEPT, LOOK, THOROUGH
+from msd_ident.estimate.effort import LOOK, THOROUGH
 from msd_ident.estimate.levels import ALIKE, BEYOND_DOUBT, DAMPING, MOST_OF, NEGLIGIBLE
 from msd_ident.estimate.problem import Initial, Problem
 from msd_ident.model import Model
@@ -273,7 +273,7 @@ def descended(experiment: Experiment, weighting: Weighting, point: FloatArray) -
     """
     far = FAR * experiment.evidence
     state = weighting.exact(point, weighting.steps(None))
-    state = weighting.renewed(descend(weighting, state, KEPT, LEAST_FALL))
+    state = weighting.renewed(descend(weighting, state, _FIRST, LEAST_FALL))
     for _ in range(THOROUGH // LOOK):
         before = state.chi
         state = descend(weighting, state, LOOK, least_fall(experiment, before) if before > far else LEAST_FALL)

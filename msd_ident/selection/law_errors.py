@@ -135,22 +135,29 @@ def instead(causes: Causes, sets: Mapping[Causes, Hypothesis], scale: NoiseScale
     """Sets without each cause of a set and with no more causes in all, with the odds of the set beside each.
 
     For a set S and a set R without the cause they are (χ²(R) − χ²(S)) / (χ²(S) − N), 0 where R leaves less; of as many
-    causes, times the odds of S beside R before any data. Where a set leaves more than noise, none of its laws is the
-    rig's, and what it leaves may move like the difference of the two. A law that holds Coulomb friction as a limit is
-    no other force than that. Empty where a set leaves only noise.
+    causes, times the odds of S beside R before any data, where these are more than 1. Where a set leaves more than
+    noise, none of its laws is the rig's, and what it leaves may move like the difference of the two. A set R counts if
+    each of its causes explains at least what S leaves. A law that holds Coulomb friction as a limit counts as Coulomb
+    friction. Empty where a set leaves only noise.
     """
     left = sets[causes].chi - scale.noise
     if leaves_noise(sets[causes], scale.noise):
         return {}
     found: dict[str, dict[Causes, float]] = {name: {} for name in causes}
-    for other in (one for one in sets if 0 < len(one) <= len(causes)):
+    for other in (one for one in sets if 0 < len(one) <= len(causes) and _explain(one, sets, left)):
         odds = max(sets[other].chi - sets[causes].chi, 0.0) / left
-        odds *= math.exp(log_prior(causes) - log_prior(other)) if len(other) == len(causes) else 1.0
+        odds *= math.exp(max(log_prior(causes) - log_prior(other), 0.0)) if len(other) == len(causes) else 1.0
         held = kinds(other) | ({COULOMB} if other & set(HOLDING_COULOMB) else set())
         for name in causes:
             if by_name(name).cause() not in held:
                 found[name][other] = odds
     return found
+
+
+def _explain(causes: Causes, sets: Mapping[Causes, Hypothesis], least: float) -> bool:
+    """Whether each cause of a set explains at least so much (χ²) beyond the others, as far as those were fitted."""
+    smaller = (causes - {name} for name in causes)
+    return all(sets[one].chi - sets[causes].chi >= least for one in smaller if one in sets)
 
 
 def within_sampling(causes: Causes, sets: Mapping[Causes, Hypothesis]) -> frozenset[str]:

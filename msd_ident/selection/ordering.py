@@ -25,7 +25,7 @@ from msd_ident.selection.law_errors import (
     within_law_error,
     within_sampling,
 )
-from msd_ident.selection.ranking import CALLED, LEADERS, LEFT_PART, Ranking, kinds
+from msd_ident.selection.ranking import CALLED, LEFT_PART, NEAR, Ranking, kinds
 from msd_ident.selection.simpler_sets import equal_to
 
 
@@ -55,11 +55,15 @@ def rank(sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> Ranking:
         further={causes: other_forms(causes, sets, scale.noise) for causes in order},
         exact=frozenset(causes for causes in order if leaves_noise(sets[causes], scale.noise)),
         slow={causes: sets[causes].kept("slow", partial(_slow, sets[causes])) for causes in order},
-        seldom={causes: _seldom(sets[causes]) for causes in order if not leaves_noise(sets[causes], scale.noise)},
+        seldom={
+            causes: sets[causes].kept("seldom", partial(_seldom, sets[causes]))
+            for causes in order
+            if not leaves_noise(sets[causes], scale.noise)
+        },
         held={causes: sets[causes].kept("held", partial(_held, sets[causes])) for causes in order},
         sampled={causes: within_sampling(causes, sets) for causes in order},
         clear={causes: clearness(causes, sets, scale) for causes in order},
-        instead={causes: instead(causes, sets, scale) for causes in order[:LEADERS]},
+        instead={causes: instead(causes, sets, scale) for causes in order if values[causes] >= top - NEAR},
         rubbing={causes: sets[rubs] for causes in order if (rubs := causes | {COULOMB}) in sets and rubs not in values},
         leaves={causes: part for causes in order if (part := left_over(causes, sets, scale.noise)) > LEFT_PART},
     )

@@ -92,12 +92,12 @@ class Ranking:
             its laws are not those of the rig, so none of its causes is certain.
         exact: sets that leave only noise: no error of their laws is seen.
         clear: how clearly a set needs each of its causes (``law_errors.clearness``).
-        instead: of the leading sets that leave more than noise, the sets without each of their causes, with the odds of
-            the leading one beside each (``law_errors.instead``).
+        instead: of sets within ``NEAR`` that leave more than noise, the sets without each of their causes, with the
+            odds of the first one beside each (``law_errors.instead``).
         slow: causes of a set of whose periods the records hold too few: less than one of a motion that they bring, or
             less than two along the travel. A drift, or a bend, of another kind may do the same: they are not certain.
         seldom: tones of a set that leaves more than noise, of which the records hold too few periods to show that they
-            repeat: what is left may be a part of the same, so they are not certain.
+            repeat: one force that does not repeat may make both the tone and what is left, so they are not certain.
         held: causes of a set that hold the cart at rest and do hardly anything in motion: a force that acts only while
             the drive is on, or off, may do the same, so they are not certain.
         sampled: causes of a set that explain no more than twice what the force may do between its samples: each is at
@@ -277,11 +277,11 @@ class Ranking:
         In a poor experiment the amplitude falls with time, so that no stiffness and no friction that changes with time
         is certain: it may change with the amplitude. Nor is the stiffness where more than noise is left: a mass that
         changes with time moves nearly alike. Nor is what may be another shape of the other laws, or of the controller's
-        (``steered``), nor a cause of a set that leaves much (``leaves``). A law of another cause that gives the same
-        motion (``alike``) is as likely, or more by what it is likelier before any data. As likely is what the force may
-        do between its samples (``sampled``), another shape of a drift in the place of a law that is slower than the
-        record beside it, and, in a poor experiment, another shape of a drift of the sensor in the place of a law that
-        creeps beside one.
+        (``steered``), nor a tone of few periods (``seldom``), nor a cause of a set that leaves much (``leaves``). A law
+        of another cause that gives the same motion (``alike``) is as likely, or more by what it is likelier before any
+        data. As likely is what the force may do between its samples (``sampled``), another shape of a drift in the
+        place of a law that is slower than the record beside it, and, in a poor experiment, another shape of a drift of
+        the sensor in the place of a law that creeps beside one.
         """
         odds = self._of_its_own(causes, law) if law in self.further.get(causes, ()) else math.inf
         effect, plain = by_name(law), self.rich and causes in self.exact

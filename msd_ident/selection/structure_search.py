@@ -85,7 +85,7 @@ class Search(FittedSets):
             fronts = [one.causes for one in self._fronts(leader)]
             companions = [causes for causes in (*fronts, frozenset({COULOMB}), self.neighbours.rippled) if causes]
             self._fit([pair for causes in companions for pair in self.neighbours.grown(causes)], 0.35, 0.55)
-        if self.experiment.begun:  # the records that the copies are of had all the rest, and its findings are known
+        if self.experiment.begun:  # the search of the record itself has done the rest, and copies begin with its sets
             return self._walk()
         if not self.at_floor(self._leader()):
             self._fit(pairs(self.experiment, self.sets, self.ranking()), 0.55, 0.6)

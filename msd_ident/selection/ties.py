@@ -6,15 +6,16 @@ from collections.abc import Iterable
 
 from msd_ident.estimate.effort import KEPT
 from msd_ident.model.effects import by_name
-from msd_ident.selection.hypothesis import Causes, Hypothesis
+from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, Causes, Hypothesis
 from msd_ident.selection.ranking import CERTAIN_ODDS, DECISIVE, ROUNDING, Ranking, certain, kinds
 
 
 def tied(ranking: Ranking, name: str) -> tuple[str, ...]:
     """Causes that could replace a cause of the leading set: with its other causes, or in a set of their own.
 
-    Those in a set of their own count only if ``name`` is not certain. A cause that is left out although it is more
-    probable always counts.
+    Where the leading set leaves more than noise, these are also causes of sets beside which ``name`` is not certain
+    (``Ranking.instead``). Those in a set of their own count only if ``name`` is not certain. A cause that is left out
+    although it is more probable always counts.
 
     Args:
         ranking: sets by evidence, the leading one first.
@@ -36,7 +37,8 @@ def _instead(ranking: Ranking, name: str) -> list[str]:
     """Causes of the few nearest sets beside which one of the leading set is not certain (``Ranking.instead``)."""
     others = ranking.instead.get(ranking.best.causes, {}).get(name, {})
     near = sorted((odds, sorted(causes)) for causes, odds in others.items() if odds < CERTAIN_ODDS)
-    known = kinds(ranking.best.causes)
+    known, rest = kinds(ranking.best.causes), ranking.best.causes - {name}
+    known |= {COULOMB} if rest & set(HOLDING_COULOMB) else set()
     found = [by_name(law).cause() for _, causes in near[:KEPT] for law in causes]
     return [cause for cause in dict.fromkeys(found) if cause not in known]
 

@@ -65,13 +65,13 @@ class Cut:
 
     @cached_property
     def needless(self) -> bool:
-        """Whether the weight is none: fitted to the stretches, it is too light for an unstable motion. Or a model
+        """Whether nothing needs the weight. Fitted to the stretches, it is too light for an unstable motion; or a model
         without it leaves less than twice the error on the stretches, and less than a quarter of the motion on the whole
         records.
 
         A regression finds a weight on an axis that stands upright, too, where that does what noise or a hidden mass do.
         """
-        if all(_stable(self.weighed.model, record) for record in self.whole):
+        if not any(_turns(self.weighed.model, record, _pieces(record)) for record in self.whole):
             return True
         light = self.model.without(*(effect.name for effect in self.model.effects if effect.angular))
         if not self.weighed.see >= MOST_OF * self._fitted(light).see:
@@ -198,21 +198,24 @@ def _stretches(model: Model, record: Record) -> tuple[Record, ...]:
     A stretch ends where a deviation of the size of noise would grow beyond doubt; those in which nothing moves are left
     out.
     """
-    if _stable(model, record):
-        return (record,)
     pieces = _pieces(record)
-    parts = _parts(record, pieces, _ends(transitions(model, pieces)))
+    turns = _turns(model, record, pieces)
+    if not turns:
+        return (record,)
+    parts = _parts(record, pieces, _ends(turns))
     return tuple(part for part in parts if not observe(part).still) or (record,)
 
 
-def _stable(model: Model, record: Record) -> bool:
-    """Whether no deviation grows much along a record that counts from the model's zero.
+def _turns(model: Model, record: Record, pieces: Sequence[Record]) -> list[FloatArray]:
+    """The ``transitions`` along a record that counts from the model's zero; none where no deviation grows much.
 
-    A weight that never gets higher than its axis pulls back everywhere, whatever the product of many roughly known
-    pieces says.
+    A weight that never gets higher than its axis pulls back everywhere, even if the errors of many pieces add up to a
+    growth.
     """
-    hangs = bool(np.min(np.cos(record.position)) >= 0.0)
-    return hangs or not growth(transitions(model, _pieces(record))) > NATURAL_RANGE
+    if np.min(np.cos(record.position)) >= 0.0:
+        return []
+    found = transitions(model, pieces)
+    return found if growth(found) > NATURAL_RANGE else []
 
 
 def transitions(model: Model, pieces: Sequence[Record]) -> list[FloatArray]:

@@ -11,7 +11,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from msd_ident.data.quality import Finding, check, encoder_step, force_unknown, missing_in, missing_samples, noise_floor
+from msd_ident.data.motion import observe
+from msd_ident.data.quality import (
+    Finding,
+    check,
+    encoder,
+    encoder_step,
+    force_unknown,
+    missing_in,
+    missing_samples,
+    noise_floor,
+)
 from msd_ident.data.record import FloatArray, Record, from_samples
 from msd_ident.io import SourceOptions, read
 from msd_sim.api import simulate
@@ -216,6 +226,13 @@ def test_stamps_that_scatter_in_long_runs_are_no_second_rate() -> None:
     assert "two_rates" not in codes and "jitter" in codes
 
 
+def test_a_second_rate_is_told_beside_lost_samples() -> None:
+    record, rng = experiment(), np.random.default_rng(4)
+    kept = np.union1d(np.flatnonzero(rng.random(record.samples) > 0.03), [0])
+    kept = np.union1d(kept[kept < 5000], np.arange(5000, record.samples, 3))
+    assert "two_rates" in [one.code for one in check(keep(record, kept))]
+
+
 @pytest.mark.parametrize(("every", "words"), [(10, ["1000 Hz", "100 Hz"]), (1, ["1000 Hz and 1000 Hz"])])
 def test_two_publishers_on_one_topic_are_told(every: int, words: list[str]) -> None:
     record = experiment()
@@ -296,6 +313,14 @@ def test_a_rate_too_low_for_the_motion_is_told() -> None:
     assert finding.code == "low_rate"
     assert "one oscillation of 0.2" in finding.sentence
     assert "8.5 samples; expected 12 or more" in finding.sentence or "8.0 samples" in finding.sentence
+
+
+def test_a_rate_a_little_too_low_is_not_told_as_high_enough() -> None:
+    """It was said that there are "only 12.0 samples; expected 12 or more"."""
+    motion = replace(observe(experiment()), half_period=0.1)
+    few = replace(experiment(), time=experiment().time * (0.2 / 11.96) / experiment().period)
+    (finding,) = encoder.rate(few, motion)
+    assert "only 11.9 samples; expected 12 or more" in finding.sentence
 
 
 def test_a_position_that_never_changes_is_an_error() -> None:

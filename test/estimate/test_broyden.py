@@ -10,6 +10,7 @@ import scipy.optimize
 
 from msd_ident.data.record import Record
 from msd_ident.estimate.broyden import descend
+from msd_ident.estimate.levels import DAMPING
 from msd_ident.estimate.problem import Initial
 from msd_ident.model import Plant
 from msd_ident.model.effects.cogging import Cogging
@@ -40,6 +41,18 @@ def test_ends_where_scipy_ends(experiment: Experiment) -> None:
     theirs = scipy.optimize.least_squares(weighting.residual, start, x_scale=problem.scale, method="trf")
     assert ours.chi == pytest.approx(2.0 * theirs.cost, rel=1e-4)
     assert np.allclose(ours.point, theirs.x, rtol=1e-3, atol=1e-6)
+
+
+def test_a_descent_goes_on_where_the_one_before_ended(experiment: Experiment) -> None:
+    """In parts, each of which began with the first damping, it crept along a bent valley."""
+    weighting = weigh(experiment.problem(Plant(1.1, 3.0, 650.0) + CubicSpring(5e4)), experiment.readings)
+    start = weighting.problem.vector(
+        {"mass": 1.1, "damping": 3.0, "stiffness": 650.0, "cubic_stiffness": 5e4}, (Initial(),)
+    )
+    first = descend(weighting, weighting.exact(start, weighting.steps(None)), 2, 1e-4)
+    assert 0.0 < first.damping < DAMPING and weighting.renewed(first).damping == first.damping
+    stuck = replace(first, damping=10.0 * DAMPING)
+    assert descend(weighting, stuck, 0, 1e-4).damping == DAMPING, "no descent begins stuck"
 
 
 def test_a_cause_is_reached_from_the_model_without_it(experiment: Experiment) -> None:

@@ -42,6 +42,34 @@ def test_what_was_held_is_left_out(creeps: float, sign: float) -> None:
     assert used.records[0].time[0] == found.freed and found.remarks[0] in used.warnings
 
 
+@pytest.mark.parametrize(("noise", "step"), [(1e-3, STEP), (5e-3, STEP), (1e-4, 6e-3)])
+def test_what_was_held_is_found_in_noise_and_coarse_readings(noise: float, step: float) -> None:
+    record = dropped(2.0)
+    rough = record.position + noise * np.random.default_rng(3).normal(size=record.samples)
+    rough[30] += 0.2
+    seen = from_samples(record.time, np.zeros(record.samples), step * np.round(rough / step))
+    assert let_go(seen, noise_of(seen)) == pytest.approx(2.1, abs=0.15)
+
+
+def test_what_rests_and_is_pushed_was_not_held() -> None:
+    """A hand pushes a damped cart away from its rest, to which it comes back: the rest before is evidence."""
+    record = dropped(0.0)
+    rest, push = np.zeros(100), np.linspace(0.0, record.position[0], 25)
+    position = np.concatenate((rest, push, record.position))
+    pushed = from_samples(PERIOD * np.arange(position.size), np.zeros(position.size), position)
+    assert let_go(pushed, noise_of(pushed)) is None and extract(pushed).freed is None
+
+
+def test_a_record_without_a_swing_beside_one_that_swings_has_no_rest_before() -> None:
+    spring = {"mass": 1.0, "damping": 0.3, "stiffness": 13.0, "friction_coefficient": 0.0}
+    made = api.simulate({**spring, "initial_position": 0.5, "force_time": [0.0], "force": [0.0], "duration": 12.0,
+                         "rate": 1.0 / PERIOD})  # fmt: skip
+    swings = from_samples(made.time, np.zeros(made.time.size), STEP * np.round(made.position / STEP))
+    used = prepare([swings, dropped(2.0)])
+    assert used.form is not None and used.rest_before == (None, None)
+    assert used.records[1].time[0] == pytest.approx(2.0, abs=0.15)
+
+
 def test_what_moves_from_the_start_is_kept_whole() -> None:
     record = dropped(0.0)
     assert let_go(record, noise_of(record)) is None and extract(record).freed is None

@@ -79,3 +79,12 @@ def test_under_a_proportional_controller_it_is_a_scale_of_the_reading() -> None:
     assert not FrameCompliance.fits(from_samples(time, 100.0 * (0.1 - reading), reading))
     assert FrameCompliance.fits(from_samples(time, 100.0 * (setpoint - reading), reading)), "the setpoint jumps"
     assert not FrameCompliance.fits(from_samples(time, time, np.zeros(500))), "nothing moves"
+
+
+def test_steps_of_long_holds_show_it() -> None:
+    """A spring brings the cart to F/k, which is no scale of the reading: a frame adds to it in proportion."""
+    time = np.arange(4000) / 50.0
+    force = np.random.default_rng(2).uniform(-6.0, 6.0, 8)[np.arange(time.size) // 500]
+    position = lsim(([1.0], [1.0, 30.0, STIFFNESS]), force, time, interp=False)[1] + 1e-4 * force
+    assert np.corrcoef(force, position)[0, 1] ** 2 > 0.99
+    assert FrameCompliance.fits(from_samples(time, force, position))

@@ -17,6 +17,7 @@ from msd_ident.model.effects.force_offset import ForceOffset
 from msd_ident.model.effects.quadratic_drag import QuadraticDrag
 from msd_ident.model.effects.sensor_eccentricity import SensorEccentricity
 from msd_ident.model.effects.sensor_nonlinearity import SensorNonlinearity
+from msd_ident.model.effects.smooth_stribeck_friction import SmoothStribeckFriction
 from msd_ident.model.effects.stribeck_friction import StribeckFriction
 from msd_ident.residuals.noise_spectrum import NoiseSpectrum
 from msd_ident.selection import doubts
@@ -244,12 +245,43 @@ def test_where_more_than_noise_is_left_a_law_is_compared_with_each_in_its_place(
     }
     found = ranked(sets).led_by(sets["named"])
     told = found.instead[found.best.causes]
-    likelier = DirectionDependentDamping.prior_odds / ForceOffset.prior_odds
     swapped, alone = frozenset({"coulomb_friction", offset.name}), frozenset({"coulomb_friction"})
-    assert told[damped.name][swapped] == pytest.approx(2.0 * likelier)
+    assert told[damped.name][swapped] == pytest.approx(2.0), "not less, although likelier before any data"
     assert told[damped.name][alone] == pytest.approx((100.0**2 - 10.0**2) / (10.0**2 - 1.0)), "of fewer causes"
     assert list(told["coulomb_friction"]) == [{offset.name, damped.name}], "Stribeck friction holds it as a limit"
     assert not certain(found.of_cause(damped.name)) and tied(found, damped.name)[0] == offset.name
+    other = ranked(sets).led_by(sets["in place"]).instead.get(sets["in place"].causes, {}).get(offset.name, {})
+    assert other.get(found.best.causes, 0.0) == 0.0, "that one leaves less"
     assert found.of_any((damped.name, offset.name)) > found.of_cause(damped.name), "which is in doubt, not whether one"
     exact = {**sets, "named": fitted(experiment, rubs + damped, 840.0)}
     assert ranked(exact).instead[found.best.causes] == {}, "no error of a law is seen"
+
+
+def test_a_law_that_explains_nothing_beside_another_set_is_no_rival(experiment: Experiment) -> None:
+    rubs, drag, left = BASE + CoulombFriction(0.1), QuadraticDrag(1.0), 840.0 * 10.0**2
+    faint = left + 6.0 * (left - 840.0)
+    sets = {
+        "nothing": fitted(experiment, BASE, 840.0 * 300.0**2),
+        "rubs": fitted(experiment, rubs, faint),
+        "named": fitted(experiment, rubs + drag, left),
+        "no more": fitted(experiment, rubs + ForceOffset(0.0), faint),
+    }
+    found = ranked(sets).led_by(sets["named"])
+    assert found.instead[found.best.causes][drag.name] == {frozenset({"coulomb_friction"}): pytest.approx(6.0)}
+    assert "force_offset" not in tied(found, drag.name)
+
+
+def test_a_set_without_a_cause_that_is_no_other_cause_is_told(experiment: Experiment) -> None:
+    """Beside Stribeck friction drag is doubtful where another curve of the friction does nearly as well without it."""
+    curve, drag = StribeckFriction(0.1, 0.2, 0.01), QuadraticDrag(1.0)
+    left = 840.0 * 10.0**2
+    sets = {
+        "nothing": fitted(experiment, BASE, 840.0 * 3000.0**2),
+        "friction": fitted(experiment, BASE + CoulombFriction(0.1), left + 400.0 * (left - 840.0)),
+        "curve": fitted(experiment, BASE + curve, left + 300.0 * (left - 840.0)),
+        "named": fitted(experiment, BASE + curve + drag, left),
+        "another": fitted(experiment, BASE + SmoothStribeckFriction(0.1, 0.2, 0.01, 1e-3), left + 4.0 * (left - 840.0)),
+    }
+    found = ranked(sets).led_by(sets["named"])
+    assert not certain(found.of_cause(drag.name)) and tied(found, drag.name) == ()
+    assert any("without quadratic drag leaves so little more" in one for one in doubts.sentences(found))

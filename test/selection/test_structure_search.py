@@ -373,6 +373,23 @@ def test_other_forms_of_the_leading_laws_are_fitted_before_a_cause_is_added() ->
 
 
 @pytest.mark.parametrize("begun", [False, True])
+def test_copies_that_begin_with_known_fits_take_no_round_of_pairs(begun: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Four fifths of the time of a measured step went into rounds that its own search had made."""
+    data = replace(steps(100.0), begun=begun)
+    alone = [fitted(data, BASE, 1e6), fitted(data, BASE + StiffnessDrift(1.0), 1e5)]
+    search = Search(data, lambda fitted: False, lambda stage, part, cause: None)
+    search.sets = {one.causes: one for one in alone}
+    walked, paired = [], []
+    monkeypatch.setattr(search, "_fit", lambda wanted, start, end: False)
+    monkeypatch.setattr(search, "_follow_readings", lambda: None)
+    monkeypatch.setattr(search, "_walk", lambda: walked.append(True))
+    monkeypatch.setattr(search, "_fit_regressed", lambda: False)
+    monkeypatch.setattr(structure_search, "pairs", lambda *given: paired.append(True) or [])
+    search.run(alone[0])
+    assert walked == [True] and paired == ([] if begun else [True])
+
+
+@pytest.mark.parametrize("begun", [False, True])
 def test_copies_that_begin_with_known_fits_are_not_followed_through_observers(
     begun: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:

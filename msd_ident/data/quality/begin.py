@@ -2,7 +2,7 @@
 
 A table tells nothing about the time before its first line. If the cart rests under the first force until this changes,
 the force acted before; if it moves at once, the force stepped at the first line. A controller's force changes because
-the cart has moved: such a change ends no rest.
+the cart has moved: such a change does not end a rest.
 """
 
 from __future__ import annotations
@@ -34,7 +34,9 @@ def begins_pushed(record: Record) -> bool:
 
 
 def rests_under_force(record: Record) -> bool:
-    """Whether a force acts in the first sample and the cart rests until this force changes."""
+    """Whether a force acts in the first sample and the cart rests until this force changes by more than a controller
+    makes of the motion.
+    """
     if not begins_pushed(record):
         return False
     start, span = float(record.time[0]), float(np.ptp(np.append(record.force, 0.0)))
@@ -49,19 +51,19 @@ def rests_under_force(record: Record) -> bool:
     after = record.position[(record.time >= change) & (record.time < change + length)]
     if held.size < 5 or after.size < 5:
         return False
-    height = abs(float(record.force_at([change])[0]) - first)
+    jump = float(record.force_at([change])[0]) - first
+    height = abs(jump)
     left = abs(float(np.median(held) - np.median(held[:MINIMUM_SAMPLES])))
-    if _follows(record, change, float(record.force_at([change])[0]) - first):
-        return False
     noise = noise_of(record)
     stays = left < max(_STILL * noise.floor + noise.step, _CREEPS * float(np.ptp(record.position)))
-    return stays and float(np.ptp(held)) / abs(first) < _RESTS * float(np.ptp(after)) / max(height, _CHANGE * span)
+    rests = float(np.ptp(held)) / abs(first) < _RESTS * float(np.ptp(after)) / max(height, _CHANGE * span)
+    return stays and rests and not _follows(record, change, jump)
 
 
-def _follows(record: Record, change: float, height: float) -> bool:
-    """Whether a change of the force [N] by a time [s] is mostly what a controller makes of the motion before."""
+def _follows(record: Record, change: float, jump: float) -> bool:
+    """Whether a change of the force [N] up to a time [s] is mostly what a controller makes of the motion before."""
     moved = float(np.interp(change, record.time, record.position)) - float(record.position[0])
-    return abs(height - feedback_gain(record) * moved) < 0.5 * abs(height)
+    return abs(jump - feedback_gain(record) * moved) < 0.5 * abs(jump)
 
 
 def since_before(record: Record) -> Record:

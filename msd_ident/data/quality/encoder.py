@@ -77,10 +77,10 @@ def rate(record: Record, motion: Motion) -> Iterator[Finding]:
     """Too few samples in an oscillation, whose period is twice the motion's half period [s]."""
     samples = _samples_an_oscillation(record, motion)
     if samples < _FEW_SAMPLES:
-        period, whole = 2 * motion.half_period, math.floor(10.0 * samples) / 10.0
+        period, shown = 2 * motion.half_period, math.floor(10.0 * samples) / 10.0
         yield warning(
             "low_rate",
-            f"one oscillation of {period:.3g} s has only {whole:.1f} samples; expected {_FEW_SAMPLES} or more: "
+            f"one oscillation of {period:.3g} s has only {shown:.1f} samples; expected {_FEW_SAMPLES} or more: "
             f"sample at {_FEW_SAMPLES / period:.3g} Hz or faster",
         )
 

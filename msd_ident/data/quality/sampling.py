@@ -88,8 +88,9 @@ def _rates(intervals: FloatArray) -> tuple[float, float]:
     other = intervals[_in_long_runs(np.abs(intervals - period) > _REGULAR * period, 10)]
     second = float(np.median(other)) if other.size else 0.0
     if other.size > 0.01 * intervals.size and np.mean(np.abs(other - second) < _REGULAR * second) > 0.8:
-        # Stamps that scatter lie between, too.
+        # Where the stamps scatter, there are intervals between the two as well; lost samples make whole ones.
         between = np.abs(intervals - 0.5 * (period + second)) < abs(second - period) / 6.0
+        between &= np.abs(intervals - period * np.rint(intervals / period)) > 0.05 * period
         if np.count_nonzero(between) < 0.5 * other.size:
             return min(period, second), max(period, second)
     return _taking_turns(intervals, period)

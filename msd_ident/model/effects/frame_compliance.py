@@ -53,13 +53,13 @@ class FrameCompliance(Effect):
 
     @classmethod
     def fits(cls, record: Record) -> bool:
-        """Whether a force acts that changes, and not in proportion to the reading: under a proportional controller with
-        one setpoint x + c·F is nothing but another scale of the reading.
+        """Whether a force acts that changes, and does not fall as the reading rises: under a proportional controller
+        with one setpoint x + c·F is nothing but another scale of the reading.
         """
         levels = record.force_at(record.time)
         if not (np.ptp(levels) > 0.0 and np.ptp(record.position) > 0.0):
             return False
-        return float(np.corrcoef(levels, record.position)[0, 1]) ** 2 < _A_SCALE
+        return float(np.corrcoef(levels, record.position)[0, 1]) > -math.sqrt(_A_SCALE)
 
     @classmethod
     def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:
