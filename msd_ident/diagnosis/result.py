@@ -51,7 +51,7 @@ class Rival:
 
     Attributes:
         causes: names of the set.
-        probability: of the set, at most that of its least probable cause.
+        probability: of the set, lowered as its causes are (``Ranking.stated``).
         floors: residual that it leaves, in noise floors.
     """
 

@@ -23,7 +23,7 @@ class CandidateModel:
 
     Attributes:
         causes: sorted names of its causes; none for the base model.
-        probability: given the data, among all sets that were fitted; at most that of its least probable cause.
+        probability: given the data, among all sets that were fitted, lowered as its causes are.
         evidence: log evidence [nats], prior included; only differences mean anything.
         chi: sum of squares that it leaves, in units of the noise.
         model: fitted.
