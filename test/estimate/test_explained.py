@@ -31,7 +31,7 @@ def moved_by_hand(seed: int) -> Record:
     ("seed", "asked"),
     [
         (3, ("coulomb_friction", "quadratic_drag", "cubic_spring")),
-        *(pytest.param(seed, (), marks=pytest.mark.long) for seed in (2, 3, 5)),
+        *(pytest.param(seed, (), marks=pytest.mark.long) for seed in (1, 2, 3, 5, 8)),
     ],
 )
 def test_what_a_hand_moved_is_refused_in_one_line(
@@ -79,7 +79,7 @@ def test_where_a_force_acts_it_may_be_another_quantity() -> None:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("seed", [1, 4])
+@pytest.mark.parametrize("seed", [4, 6, 7])
 def test_what_a_hand_moved_and_many_parameters_follow_is_not_explained(seed: int) -> None:
     """A smooth curve without a force may be near the decay of two masses."""
     found = pipeline.diagnose([moved_by_hand(seed)])
