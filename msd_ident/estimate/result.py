@@ -74,7 +74,8 @@ class FitResult:
         """
         values = {name: quantity.value for name, quantity in self.quantities.items()}
         value = formula(values)
-        gradient = np.array([_slope(formula, values, name) for name in self.free])
+        limits = {parameter.name: (parameter.lower, parameter.upper) for parameter in self.model.parameters}
+        gradient = np.array([_slope(formula, values, name, limits[name]) for name in self.free])
         for direction in self.open:
             shares = dict(direction.shares)
             parts = np.array([shares.get(name, 0.0) for name in self.free]) * gradient
@@ -83,11 +84,16 @@ class FitResult:
         return Quantity(value, math.sqrt(max(float(gradient @ self.covariance @ gradient), 0.0)), unit)
 
 
-def _slope(formula: Callable[[Mapping[str, float]], float], values: Mapping[str, float], name: str) -> float:
+def _slope(
+    formula: Callable[[Mapping[str, float]], float],
+    values: Mapping[str, float],
+    name: str,
+    limits: tuple[float, float],
+) -> float:
+    """Derivative of a formula by a value; from one side where that lies on a limit, beyond which no model is."""
     step = 1e-6 * (abs(values[name]) or 1.0)
-    above = formula({**values, name: values[name] + step})
-    below = formula({**values, name: values[name] - step})
-    return (above - below) / (2.0 * step)
+    low, high = max(values[name] - step, limits[0]), min(values[name] + step, limits[1])
+    return (formula({**values, name: high}) - formula({**values, name: low})) / (high - low)
 
 
 def scale_known(quantities: Mapping[str, Quantity]) -> bool:

@@ -14,6 +14,8 @@ from hypothesis import strategies as st
 
 from msd_ident.estimate import FitResult, fit
 from msd_ident.estimate.identifiability import OpenDirection
+from msd_ident.model import Plant
+from msd_ident.model.effects.power_spring import PowerSpring
 
 
 @cache
@@ -34,6 +36,17 @@ def test_a_parameter_is_derived_from_itself() -> None:
     for name in DEMO.names:
         quantity, told = found().quantities[name], found().derived(lambda p, name=name: p[name], "1")
         assert told.value == quantity.value and told.std == pytest.approx(quantity.std, rel=1e-6)
+
+
+@pytest.mark.parametrize(("name", "edge"), [("upper", 7.0), ("lower", 1.2)])
+def test_a_value_on_its_limit_is_not_moved_beyond_it(name: str, edge: float) -> None:
+    """A spring whose exponent ended at 7 was refused: "power_exponent is 7.00001 1; expected 1.2 to 7"."""
+    model = Plant(1.0, 2.0, 400.0) + PowerSpring(5.0, 0.01, edge)
+    record = demo_record(rate=250.0, encoder={"noise": 2e-5}, seed=1)
+    result = fit(model, record, search="near", fixed=("power_exponent",))
+    free = replace(result, free=(*result.free, "power_exponent"), covariance=np.diag([1e-6] * (len(result.free) + 1)))
+    told = free.derived(lambda p: free.model.with_values(p)["power_exponent"], "1")
+    assert told.value == edge and told.std == pytest.approx(1e-3, rel=1e-4), name
 
 
 def test_what_is_fixed_adds_nothing() -> None:
