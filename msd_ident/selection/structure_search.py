@@ -247,4 +247,6 @@ class Search(FittedSets):
                 self.progress("search", self.told, named(causes))
                 simple = len(causes) == 1 and causes <= set(self.experiment.tried_alone)
                 begun = starting_points.starts(self.experiment, causes, self.sets[NOTHING]) if simple else []
-                self._keep(followed(self.experiment, causes, [one.model, *begun], one.initial))
+                found = followed(self.experiment, causes, [one.model, *begun], one.initial)
+                if found is not None:
+                    self._keep(found)

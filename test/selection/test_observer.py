@@ -7,17 +7,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from msd_ident.data.record import LARGEST, Record
+from msd_ident.data.record import LARGEST, Record, from_samples
 from msd_ident.estimate.problem import Initial
 from msd_ident.model import Model, Plant, simulate
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.drive_damping import DriveDamping
+from msd_ident.model.effects.hysteresis import Hysteresis
 from msd_ident.model.effects.load_dependent_friction import LoadDependentFriction
 from msd_ident.model.effects.quadratic_drag import QuadraticDrag
 from msd_ident.model.effects.sensor_drift import SensorDrift
 from msd_ident.model.effects.stribeck_friction import StribeckFriction
 from msd_ident.model.effects.time_offset import TimeOffset
 from msd_ident.residuals.noise_model import prepare
+from msd_ident.selection import observer
 from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.hypothesis_fit import refine
 from msd_ident.selection.observer import _OBSERVERS, _frequency, _held, _pulled, _strength, can_follow, followed
@@ -129,3 +131,12 @@ def test_a_model_without_its_observer_is_what_it_was_and_never_less_than_nothing
     back = _held(with_both, -100.0, -2.0)
     assert (back.mass, back.damping, back.stiffness) == (0.6, 1.0, 830.0)
     assert _held(PLANT, -1000.0, -2.0).stiffness == 0.0 and _held(PLANT, -1000.0, -2.0).damping == 0.0
+
+
+def test_an_end_that_leaves_more_than_a_still_cart_is_not_refined(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a motion by hand an observer ended at a hysteresis of 2.5e7 N on 5 g: simulated step by tiny step, 5 s."""
+    record = from_samples(0.02 * np.arange(200), np.zeros(200), 0.01 * np.sin(0.1 * np.arange(200)))
+    experiment = Experiment(prepare([record]), Plant(1.0, 1.0, 10.0), frozenset())
+    wild = Plant(5e-3, 1e4, 0.0) + Hysteresis(2.5e7, 1e-6)
+    monkeypatch.setattr(observer, "_drawn", lambda *given: (0.0, (wild, (Initial(0.0, 50.0, 0.0),))))
+    assert observer.followed(experiment, frozenset({"hysteresis"}), [wild], (Initial(0.0, 50.0, 0.0),)) is None
