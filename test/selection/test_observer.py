@@ -19,7 +19,6 @@ from msd_ident.model.effects.sensor_drift import SensorDrift
 from msd_ident.model.effects.stribeck_friction import StribeckFriction
 from msd_ident.model.effects.time_offset import TimeOffset
 from msd_ident.residuals.noise_model import prepare
-from msd_ident.selection import observer
 from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.hypothesis_fit import refine
 from msd_ident.selection.observer import _OBSERVERS, _frequency, _held, _pulled, _strength, can_follow, followed
@@ -138,5 +137,5 @@ def test_an_end_that_leaves_more_than_a_still_cart_is_not_refined(monkeypatch: p
     record = from_samples(0.02 * np.arange(200), np.zeros(200), 0.01 * np.sin(0.1 * np.arange(200)))
     experiment = Experiment(prepare([record]), Plant(1.0, 1.0, 10.0), frozenset())
     wild = Plant(5e-3, 1e4, 0.0) + Hysteresis(2.5e7, 1e-6)
-    monkeypatch.setattr(observer, "_drawn", lambda *given: (0.0, (wild, (Initial(0.0, 50.0, 0.0),))))
-    assert observer.followed(experiment, frozenset({"hysteresis"}), [wild], (Initial(0.0, 50.0, 0.0),)) is None
+    monkeypatch.setattr("msd_ident.selection.observer._drawn", lambda *given: (0.0, (wild, (Initial(0.0, 50.0, 0.0),))))
+    assert followed(experiment, frozenset({"hysteresis"}), [wild], (Initial(0.0, 50.0, 0.0),)) is None
