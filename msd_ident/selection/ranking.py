@@ -204,8 +204,8 @@ class Ranking:
     def of_cause(self, name: str) -> float:
         """Probability that a cause acts, in whatever law: of all sets that hold it together.
 
-        Where the leading set leaves so much that the rig follows another law (``leaves``), sets that leave hardly less
-        make its causes no surer.
+        What cannot be certain in the leading set is made certain by no other. Where that leaves so much that the rig
+        follows another law (``leaves``), sets that leave hardly less make its causes no surer at all.
         """
         return self.of_any((name,))
 
@@ -216,9 +216,10 @@ class Ranking:
         """
         asked = kinds(names)
         found = self._of_any_by_sets(asked)
-        if self.best.causes in self.leaves:
-            own = [law for law in self.best.causes if by_name(law).cause() in asked]
-            found = min(found, max((self._greatest(self.best.causes, law, asked) for law in own), default=1.0))
+        own = [law for law in self.best.causes if by_name(law).cause() in asked]
+        most = max((self._greatest(self.best.causes, law, asked) for law in own), default=1.0)
+        if not certain(most):
+            found = min(found, most if self.best.causes in self.leaves else max(most, CERTAIN))
         if self.pushed_unseen or self.balanced:
             found = min(found, probability_at(CERTAIN_ODDS))
         if not (self.unchecked or self.foretold):

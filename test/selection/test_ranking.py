@@ -255,6 +255,22 @@ def test_sets_that_hold_a_cause_are_together_no_likelier_than_the_cause() -> Non
     assert exact.stated(frozenset(both)) == pytest.approx(0.5), "where nothing lowers a cause"
 
 
+def test_what_is_not_certain_in_the_leading_set_is_made_certain_by_no_other(experiment: Experiment) -> None:
+    """An offset beside a bent spring was certain with 0.9000005: limits of 9 to 1, and a millionth of another set."""
+    duration = max(record.duration for record in experiment.records)
+    slow = PeriodicDisturbance(0.1, math.pi / duration, 0.0)
+    fast = PeriodicDisturbance(0.1, 40.0 * math.pi / duration, 0.0)
+    leader = fitted(experiment, BASE + slow, 840.0)
+    other = fitted(experiment, BASE + fast + CubicSpring(1e5), 839.0)
+    found = ranked({"nothing": fitted(experiment, BASE, 840.0 * 100.0**2), "slow": leader})
+    both = replace(
+        found, sets=(leader, other), evidence=(0.0, 0.0), probability=(0.5, 0.5),
+        exact=frozenset({leader.causes, other.causes}),
+    )  # fmt: skip
+    assert both.of_cause_by_sets(slow.name) > 0.94 and both.of_cause(slow.name) == pytest.approx(CERTAIN)
+    assert not certain(both.of_cause(slow.name))
+
+
 @pytest.mark.parametrize(("periods", "floors", "sure"), [(2.7, 10.0, False), (2.7, 1.0, True), (12.0, 10.0, True)])
 def test_a_tone_of_few_periods_is_not_certain_where_more_than_noise_is_left(
     experiment: Experiment, periods: float, floors: float, sure: bool
