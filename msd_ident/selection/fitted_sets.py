@@ -20,9 +20,9 @@ from msd_ident.estimate.problem import Initial
 from msd_ident.model import Model
 from msd_ident.selection import starting_points
 from msd_ident.selection.evidence import NoiseScale, scale_from
-from msd_ident.selection.experiment import SOUGHT, Experiment, formulated
+from msd_ident.selection.experiment import SOUGHT, Experiment
 from msd_ident.selection.hypothesis import HOLDING_COULOMB, Causes, Hypothesis, causes_that_fit
-from msd_ident.selection.hypothesis_fit import COMPARABLE, REACH, StartingPoint, begin, finish, refine
+from msd_ident.selection.hypothesis_fit import REACH, StartingPoint, begin, finish, refine, refine_near
 from msd_ident.selection.neighbours import Neighbours, rubs_and_is_linear, with_coulomb
 from msd_ident.selection.ordering import leading, rank
 from msd_ident.selection.ranking import Ranking
@@ -123,17 +123,11 @@ class FittedSets:
         return (one for one in larger if one not in self.sets or self.sets[one].chi > fitted.chi)
 
     def _look_again(self, causes: Causes, model: Model, initial: Sequence[Initial], most: float = math.inf) -> None:
-        """Fit a set again from a start that leaves less than ``most``, and less than ``COMPARABLE`` times a still cart.
-
-        A start that leaves many times as much as a cart that does not move at all says nothing about the minimum, and
-        a fit from there simulates a stiff or unstable model step by tiny step. A set with such a start may still be
-        tried from others.
-        """
-        _, weighting, point = formulated(self.experiment, model, initial)
-        left = weighting.residual(point)
-        if left @ left < min(most, COMPARABLE * self.experiment.motion):
+        """Fit a set again from a start that is near enough (``refine_near``); from others it may still be tried."""
+        found = refine_near(self.experiment, causes, model, initial, most)
+        if found is not None:
             self.tried.add(causes)
-            self._keep(refine(self.experiment, causes, model, initial))
+            self._keep(found)
 
     def _fit(self, wanted: Iterable[Causes], start: float, end: float) -> bool:
         """Fit those of the sets that are new; False when none was.

@@ -264,6 +264,20 @@ def refine(experiment: Experiment, causes: Causes, model: Model, initial: Sequen
     return exactly(experiment, _at(experiment, causes, problem, descended(experiment, weighting, point)))
 
 
+def refine_near(
+    experiment: Experiment, causes: Causes, model: Model, initial: Sequence[Initial], most: float = math.inf
+) -> Hypothesis | None:
+    """``refine`` from a start that leaves less than ``most`` and than ``COMPARABLE`` times a still cart, else None.
+
+    A start that leaves many times as much as a cart that does not move at all says nothing about the minimum, and a fit
+    from there simulates a stiff or unstable model step by tiny step.
+    """
+    _, weighting, point = formulated(experiment, model, initial)
+    left = weighting.residual(point)
+    near = left @ left < min(most, COMPARABLE * experiment.motion)
+    return refine(experiment, causes, model, initial) if near else None
+
+
 def descended(experiment: Experiment, weighting: Weighting, point: FloatArray) -> State:
     """Where a descent from a point (p,) ends.
 

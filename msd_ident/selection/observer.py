@@ -28,7 +28,7 @@ from msd_ident.estimate.problem import Initial, Problem
 from msd_ident.model import Model, Simulator
 from msd_ident.selection.experiment import Experiment, formulated, weigh
 from msd_ident.selection.hypothesis import Causes, Hypothesis
-from msd_ident.selection.hypothesis_fit import COMPARABLE, descended, refine
+from msd_ident.selection.hypothesis_fit import descended, refine_near
 from msd_ident.tuning import tuned
 
 _OBSERVERS = tuned(
@@ -68,17 +68,14 @@ def followed(
         initial: initial state of each record to start from.
 
     Returns:
-        None where without an observer this leaves many times as much as a cart that does not move: such a start says
-        nothing about the minimum, and may be simulated step by tiny step.
+        None where without an observer this leaves many times as much as a cart that does not move (``refine_near``).
     """
     strongest, *weaker = _OBSERVERS
     tried = (_drawn(experiment, (model, initial), strongest) for model in models)
     _, start = min(tried, key=lambda one: one[0])
     for observer in weaker:
         _, start = _drawn(experiment, start, observer)
-    _, weighting, point = formulated(experiment, *start)
-    left = weighting.residual(point)
-    return refine(experiment, causes, *start) if left @ left < COMPARABLE * experiment.motion else None
+    return refine_near(experiment, causes, *start)
 
 
 def _drawn(experiment: Experiment, start: _Start, observer: tuple[float, float]) -> tuple[float, _Start]:
