@@ -79,7 +79,7 @@ def concluded(task: Task, found: Searched, progress: Progress = silent) -> Diagn
         characteristics = nonparametric.measure(heard.readings, shown.model, shown.initial, fits[0].see)
     tied = ranking.within(DECISIVE) if decision == "ambiguous" else [best]
     others = [_resting(experiment, one) for one in (*tied, *alike) if one is not best]
-    moved = ranges.over(extended, others, best.causes in ranking.exact, shared)
+    moved = ranges.over(extended, others, ranking.caveats_of(best.causes).exact, shared)
     said = _warned(task, choice, shown) + verdict.spread_sentence(moved) + fits[1].open_directions
     if not scale_known(fits[1].quantities):
         said += fits[0].open_directions or (intervals.NO_SCALE,)

@@ -11,9 +11,9 @@ from msd_ident.diagnosis.result import Cause, Verdict
 from msd_ident.model.effects import by_name, spoken
 from msd_ident.quantity import probability
 from msd_ident.residuals.unexplained import Remainder, Remainders
+from msd_ident.selection.certainty import certain
 from msd_ident.selection.cross_validation import HeldOut
 from msd_ident.selection.hypothesis import Causes
-from msd_ident.selection.ranking import certain
 
 
 def decide(causes: Sequence[Cause], left: Remainders) -> Verdict:

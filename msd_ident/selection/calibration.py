@@ -39,8 +39,9 @@ import numpy as np
 
 from msd_ident.estimate.levels import CONFIDENCE
 from msd_ident.model.effects import by_name
-from msd_ident.selection.hypothesis import Causes, Hypothesis
-from msd_ident.selection.ranking import CALLED, CERTAIN, Ranking, certain, kinds, probability_at
+from msd_ident.selection.certainty import CERTAIN, certain, probability_at
+from msd_ident.selection.hypothesis import Causes, Hypothesis, kinds
+from msd_ident.selection.ranking import CALLED, Ranking
 
 
 @dataclass(frozen=True)

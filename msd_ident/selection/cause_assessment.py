@@ -12,8 +12,8 @@ from typing import Any
 from msd_ident.estimate.levels import TENTH
 from msd_ident.model.effects import LIBRARY, by_name, spoken
 from msd_ident.selection.experiment import Experiment
-from msd_ident.selection.hypothesis import Causes
-from msd_ident.selection.ranking import Ranking, kinds
+from msd_ident.selection.hypothesis import Causes, kinds
+from msd_ident.selection.ranking import Ranking
 
 #: A set of causes -> what it leaves, in noise floors.
 Left = Mapping[Causes, float]

@@ -73,8 +73,9 @@ def _told(ranking: Ranking, experiment: Experiment, *before: tuple[Ranking, Expe
     """The ranking with what every set leaves, and with laws that move like one of a set's."""
     scale = scale_from(ranking.sets, experiment.readings)
     sets = {one.causes: one for one in ranking.sets}
-    alike = {causes: equal_motion(one, sets, experiment, scale) for causes, one in sets.items()}
-    return noted(replace(ranking, alike=alike), experiment, *before)
+    for causes, one in sets.items():
+        ranking = ranking.with_caveats(causes, alike=equal_motion(one, sets, experiment, scale))
+    return noted(ranking, experiment, *before)
 
 
 def _begun(
@@ -106,10 +107,10 @@ def _leaving_less(ahead: Ranking) -> list[Hypothesis]:
     """The likeliest sets that leave only noise, or less than half of the error of the leading one, if that leaves more
     than noise: they may predict what it does not.
     """
-    if ahead.best.causes in ahead.exact:
+    if ahead.leader_caveats.exact:
         return []
     pairs = list(zip(ahead.evidence, ahead.sets, strict=True))
-    noise = [(value, one) for value, one in pairs if one.causes in ahead.exact]
+    noise = [(value, one) for value, one in pairs if ahead.caveats_of(one.causes).exact]
     less = [(value, one) for value, one in pairs if one.chi < MOST_OF**2 * ahead.best.chi]
     return [one for _, one in sorted(noise or less, key=lambda pair: -pair[0])[:KEPT]]
 

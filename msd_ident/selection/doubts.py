@@ -7,21 +7,22 @@ from collections.abc import Sequence
 
 from msd_ident.estimate.levels import FEWEST
 from msd_ident.model.effects import by_name, spoken
-from msd_ident.selection.hypothesis import COULOMB, Causes
-from msd_ident.selection.ranking import CERTAIN_ODDS, Ranking, certain, kinds
+from msd_ident.selection.certainty import CERTAIN_ODDS, certain
+from msd_ident.selection.hypothesis import COULOMB, Causes, kinds
+from msd_ident.selection.ranking import Ranking
 
 
 def sentences(ranking: Ranking) -> tuple[str, ...]:
     """A sentence for each named cause that is not certain, with the reason: e.g. it may be another form of the law of
     the others.
     """
-    named = ranking.best.causes
+    named, caveats = ranking.best.causes, ranking.leader_caveats
     unsure = [name for name in sorted(named) if not certain(ranking.of_cause(name))]
     said = []
-    for name, part in sorted(ranking.further.get(named, {}).items()):
+    for name, part in sorted(caveats.further.items()):
         if name not in unsure:
             continue
-        if first := sorted(one for one in named if name in ranking.curved_by(named, one)):
+        if first := sorted(one for one in named if name in caveats.curved_by(one)):
             said.append(
                 f"{spoken(name)} and {' and '.join(map(spoken, first))} are curves over the position, and each "
                 "explains much that the others do not: together they come near any other curve, so none of them is "
@@ -33,9 +34,9 @@ def sentences(ranking: Ranking) -> tuple[str, ...]:
             f"{spoken(name)} explains {max(100.0 * part, 1.0):.0f} % of what {_explaining(rest)}: another form of that "
             "law could do the same, so it is not certain that it is a cause of its own."
         )
-    if named in ranking.leaves:
+    if caveats.leaves:
         said.append(
-            f"what is left is {100.0 * ranking.leaves[named]:.0f} % of what {_explaining(named)}: the rig follows "
+            f"what is left is {100.0 * caveats.leaves:.0f} % of what {_explaining(named)}: the rig follows "
             "another law, so no named cause is certain."
         )
     said += [
@@ -47,7 +48,7 @@ def sentences(ranking: Ranking) -> tuple[str, ...]:
         f"hardly anything of {spoken(name)} is seen in motion: it holds the cart where it rests, and a force that acts "
         "only while the drive is on, or off, could do the same, so it is not certain. Pull the cart slowly."
         for name in unsure
-        if name in ranking.held.get(named, ())
+        if name in caveats.held
     ]
     said += [
         f"{' and '.join(map(spoken, sorted(other)))} without {spoken(name)} leave{'s' if len(other) == 1 else ''} so "
@@ -80,7 +81,7 @@ def _explaining(causes: Causes) -> str:
 
 def _slow(ranking: Ranking, unsure: Sequence[str]) -> list[str]:
     """Why named causes of which the records hold too few periods are not certain; empty where there are none."""
-    slow = [name for name in unsure if name in ranking.slow.get(ranking.best.causes, ())]
+    slow = [name for name in unsure if name in ranking.leader_caveats.slow]
     along = [name for name in slow if ranking.best.model.effect(name).repeats_after()]
     return [
         *(
@@ -98,7 +99,7 @@ def _slow(ranking: Ranking, unsure: Sequence[str]) -> list[str]:
             f"the record holds fewer than {FEWEST} periods of {spoken(name)}, and more than noise is left: another "
             "force that comes and goes could do the same, so it is not certain. Record longer."
             for name in unsure
-            if name in ranking.seldom.get(ranking.best.causes, ()) and name not in slow
+            if name in ranking.leader_caveats.seldom and name not in slow
         ),
     ]
 
@@ -109,7 +110,7 @@ def _sampled(ranking: Ranking, unsure: Sequence[str]) -> list[str]:
         f"{spoken(name)} explains no more than twice what the force may do between its samples, which is not measured: "
         "it is not certain. Sample the force faster, or filter force and position alike."
         for name in unsure
-        if name in ranking.sampled.get(ranking.best.causes, ())
+        if name in ranking.leader_caveats.sampled
     ]
 
 
@@ -136,7 +137,7 @@ def _aging(ranking: Ranking, unsure: Sequence[str]) -> list[str]:
             "changes with the amplitude: it is not certain. Push again later in the record, with the same force."
             for kind in kinds_named
         ]
-    if not springs or ranking.best.causes in ranking.exact:
+    if not springs or ranking.leader_caveats.exact:
         return []
     return [
         "more than noise is left, so a mass that changes with time could do what a stiffness that changes with time "
@@ -145,11 +146,11 @@ def _aging(ranking: Ranking, unsure: Sequence[str]) -> list[str]:
 
 
 def _near_without(ranking: Ranking) -> dict[str, Causes]:
-    """Named causes that are not certain because of a set without them (``Ranking.instead``), each with the nearest; of
+    """Named causes that are not certain because of a set without them (``Caveats.instead``), each with the nearest; of
     these, those of which no other sentence tells, nor a tie.
     """
     named, found = ranking.best.causes, {}
-    for name, others in sorted(ranking.instead.get(named, {}).items()):
+    for name, others in sorted(ranking.leader_caveats.instead.items()):
         odds, other = min(((odds, sorted(other)) for other, odds in others.items()), default=(math.inf, []))
         told = name in _unclear(ranking) or not kinds(other) <= kinds(named)
         if odds < CERTAIN_ODDS and not told and not certain(ranking.of_cause(name)):
@@ -161,12 +162,11 @@ def _unclear(ranking: Ranking) -> dict[str, float]:
     """Named causes that are not certain because of what the leading set leaves, each with the rms of that as a part of
     what is left without the cause.
     """
-    named = ranking.best.causes
-    if named in ranking.exact or named in ranking.leaves:
+    caveats = ranking.leader_caveats
+    if caveats.exact or caveats.leaves:
         return {}
-    told = ranking.further.get(named, {})
     return {
         name: 1.0 / math.sqrt(1.0 + clear)
-        for name, clear in sorted(ranking.clear.get(named, {}).items())
-        if name not in told and clear < CERTAIN_ODDS and not certain(ranking.of_cause(name))
+        for name, clear in sorted(caveats.clear.items())
+        if name not in caveats.further and clear < CERTAIN_ODDS and not certain(ranking.of_cause(name))
     }

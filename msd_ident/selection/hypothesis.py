@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, TypeVar
@@ -27,6 +27,11 @@ NOTHING: Causes = frozenset()
 COULOMB = DRY_FRICTION
 #: Laws that hold Coulomb's as a limit, with the parameter that becomes its force.
 HOLDING_COULOMB = {effect.name: effect.dry_limit for effect in LIBRARY if effect.dry_limit}
+
+
+def kinds(causes: Iterable[str]) -> frozenset[str]:
+    """Causes to which these laws belong: two forms of a law are one cause."""
+    return frozenset(by_name(name).cause() for name in causes)
 
 
 @dataclass(frozen=True)

@@ -11,9 +11,9 @@ from collections.abc import Mapping
 from msd_ident.estimate.levels import MOST_OF
 from msd_ident.model.effects import LIBRARY, by_name
 from msd_ident.residuals.noise_model import NOISE_ERROR
+from msd_ident.selection.certainty import CERTAIN_ODDS, FAINT, FORM_PART, ROUGH
 from msd_ident.selection.evidence import LEAST_SPREAD, NoiseScale, log_prior
-from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, Causes, Hypothesis
-from msd_ident.selection.ranking import CERTAIN_ODDS, FAINT, FORM_PART, ROUGH, kinds
+from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, Causes, Hypothesis, kinds
 
 
 def further_parts(causes: Causes, sets: Mapping[Causes, Hypothesis]) -> dict[str, float]:

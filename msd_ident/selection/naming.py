@@ -13,19 +13,11 @@ from dataclasses import replace
 from msd_ident.estimate.effort import KEPT
 from msd_ident.estimate.levels import MOST_OF, TENTH
 from msd_ident.model.effects import by_name
+from msd_ident.selection.certainty import FAINT, ROUNDING, probability_at, uncertain
 from msd_ident.selection.cross_validation import HeldOut, predict
 from msd_ident.selection.experiment import Experiment
-from msd_ident.selection.hypothesis import Causes, Hypothesis
-from msd_ident.selection.ranking import (
-    CALLED,
-    DECISIVE,
-    FAINT,
-    ROUNDING,
-    Ranking,
-    kinds,
-    probability_at,
-    uncertain,
-)
+from msd_ident.selection.hypothesis import Causes, Hypothesis, kinds
+from msd_ident.selection.ranking import CALLED, DECISIVE, Ranking
 
 
 def leading(ranking: Ranking) -> Ranking:
@@ -120,7 +112,7 @@ def _leaving_less(ranking: Ranking, experiment: Experiment, base: Hypothesis) ->
     most = TENTH if chi < MOST_OF * base.chi else MOST_OF
     even = [one.causes for one in ranking.within(DECISIVE)]
     less = [one for one in _with_less(ranking) if one.chi < most**2 * chi or one.causes in even]
-    noise = [one for one in less if one.causes in ranking.exact]
+    noise = [one for one in less if ranking.caveats_of(one.causes).exact]
     only = ranking
     for one in ranking.sets:
         if one not in (noise or less):
@@ -201,7 +193,7 @@ def chances(ranking: Ranking) -> dict[Causes, float]:
         ranking: sets by evidence, the leading one first.
     """
     found = {one.causes: p for p, one in zip(ranking.probability, ranking.sets, strict=True)}
-    for name in ranking.further.get(ranking.best.causes, ()):
+    for name in ranking.leader_caveats.further:
         lacking = [causes for causes in found if by_name(name).cause() not in kinds(causes)]
         if lacking:
             likeliest = max(lacking, key=lambda causes: found[causes])

@@ -14,8 +14,10 @@ import numpy as np
 from msd_ident.estimate.levels import FEWEST, NEGLIGIBLE, TENTH
 from msd_ident.model.effects import by_name
 from msd_ident.model.effects.typical import speed
+from msd_ident.selection.caveats import Caveats
+from msd_ident.selection.certainty import LEFT_PART
 from msd_ident.selection.evidence import SHAPES, NoiseScale, log_evidence, log_prior
-from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, Causes, Hypothesis, imitated
+from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, Causes, Hypothesis, imitated, kinds
 from msd_ident.selection.law_errors import (
     clearness,
     instead,
@@ -25,7 +27,7 @@ from msd_ident.selection.law_errors import (
     within_law_error,
     within_sampling,
 )
-from msd_ident.selection.ranking import CALLED, LEFT_PART, NEAR, Ranking, kinds
+from msd_ident.selection.ranking import CALLED, NEAR, Ranking
 from msd_ident.selection.simpler_sets import equal_to
 
 
@@ -52,20 +54,26 @@ def rank(sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> Ranking:
         tuple(sets[causes] for causes in order),
         tuple(values[causes] for causes in order),
         tuple(float(w) for w in weights),
-        further={causes: other_forms(causes, sets, scale.noise) for causes in order},
-        exact=frozenset(causes for causes in order if leaves_noise(sets[causes], scale.noise)),
-        slow={causes: sets[causes].kept("slow", partial(_slow, sets[causes])) for causes in order},
-        seldom={
-            causes: sets[causes].kept("seldom", partial(_seldom, sets[causes]))
-            for causes in order
-            if not leaves_noise(sets[causes], scale.noise)
-        },
-        held={causes: sets[causes].kept("held", partial(_held, sets[causes])) for causes in order},
-        sampled={causes: within_sampling(causes, sets) for causes in order},
-        clear={causes: clearness(causes, sets, scale) for causes in order},
-        instead={causes: instead(causes, sets, scale) for causes in order if values[causes] >= top - NEAR},
+        caveats={causes: _caveats(causes, sets, scale, values[causes] >= top - NEAR) for causes in order},
         rubbing={causes: sets[rubs] for causes in order if (rubs := causes | {COULOMB}) in sets and rubs not in values},
-        leaves={causes: part for causes in order if (part := left_over(causes, sets, scale.noise)) > LEFT_PART},
+    )
+
+
+def _caveats(causes: Causes, sets: Mapping[Causes, Hypothesis], scale: NoiseScale, near: bool) -> Caveats:
+    """What keeps the causes of a set from being certain; ``instead`` only of sets ``near`` the likeliest one."""
+    fitted = sets[causes]
+    exact, left = leaves_noise(fitted, scale.noise), left_over(causes, sets, scale.noise)
+    return Caveats(
+        causes,
+        exact=exact,
+        leaves=left if left > LEFT_PART else 0.0,
+        further=other_forms(causes, sets, scale.noise),
+        clear=clearness(causes, sets, scale),
+        instead=instead(causes, sets, scale) if near else {},
+        slow=fitted.kept("slow", partial(_slow, fitted)),
+        seldom=frozenset() if exact else fitted.kept("seldom", partial(_seldom, fitted)),
+        held=fitted.kept("held", partial(_held, fitted)),
+        sampled=within_sampling(causes, sets),
     )
 
 

@@ -22,9 +22,9 @@ from msd_ident.selection.evidence import NoiseScale, scale_from
 from msd_ident.selection.excitation import poor
 from msd_ident.selection.experiment import Experiment, formulated
 from msd_ident.selection.fitted_sets import Progress
-from msd_ident.selection.hypothesis import COULOMB, NOTHING, Causes, Hypothesis, causes_that_fit, without
+from msd_ident.selection.hypothesis import COULOMB, NOTHING, Causes, Hypothesis, causes_that_fit, kinds, without
 from msd_ident.selection.hypothesis_fit import FAR, refine
-from msd_ident.selection.ranking import NEAR, Ranking, kinds
+from msd_ident.selection.ranking import NEAR, Ranking
 from msd_ident.selection.structure_search import Remembered
 from msd_ident.selection.synthetic_records import Disturbed, Imagined, drawn, of_any_strength, whole
 from msd_ident.tuning import tuned

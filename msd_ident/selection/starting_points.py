@@ -20,11 +20,11 @@ from msd_ident.model import Model
 from msd_ident.model.base_model import DryFriction, friction_force
 from msd_ident.model.effects import Effect, by_name
 from msd_ident.model.effects.law import SECOND_MASS, STRUCTURAL
+from msd_ident.selection.certainty import FAINT, ROUGH
 from msd_ident.selection.experiment import Experiment, formulated
 from msd_ident.selection.growing import grown
 from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, Causes, Hypothesis
 from msd_ident.selection.hypothesis_fit import SAME, StartingPoint
-from msd_ident.selection.ranking import FAINT, ROUGH
 from msd_ident.selection.second_masses import SecondMass, second_masses
 from msd_ident.selection.starting_values import FittedRecord, guesses
 

@@ -30,10 +30,10 @@ from msd_ident.model.base_model import PLANT
 from msd_ident.model.effects import by_name
 from msd_ident.model.effects.law import SECOND_MASS, STRUCTURAL
 from msd_ident.selection.experiment import Experiment
-from msd_ident.selection.hypothesis import Causes, Hypothesis, causes_that_fit
+from msd_ident.selection.hypothesis import Causes, Hypothesis, causes_that_fit, kinds
 from msd_ident.selection.law_signals import Motion
 from msd_ident.selection.neighbours import LARGEST
-from msd_ident.selection.ranking import LEADERS, kinds
+from msd_ident.selection.ranking import LEADERS
 from msd_ident.selection.second_masses import light_masses, second_masses
 from msd_ident.selection.starting_points import fitted_record
 from msd_ident.selection.starting_values import guesses

@@ -6,15 +6,16 @@ from collections.abc import Iterable
 
 from msd_ident.estimate.effort import KEPT
 from msd_ident.model.effects import by_name
-from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, Causes, Hypothesis
-from msd_ident.selection.ranking import CERTAIN_ODDS, DECISIVE, ROUNDING, Ranking, certain, kinds
+from msd_ident.selection.certainty import CERTAIN_ODDS, ROUNDING, certain
+from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, Causes, Hypothesis, kinds
+from msd_ident.selection.ranking import DECISIVE, Ranking
 
 
 def tied(ranking: Ranking, name: str) -> tuple[str, ...]:
     """Causes that could replace a cause of the leading set: with its other causes, or in a set of their own.
 
     Where the leading set leaves more than noise, these are also causes of sets beside which ``name`` is not certain
-    (``Ranking.instead``). Those in a set of their own count only if ``name`` is not certain. A cause that is left out
+    (``Caveats.instead``). Those in a set of their own count only if ``name`` is not certain. A cause that is left out
     although it is more probable always counts.
 
     Args:
@@ -23,7 +24,7 @@ def tied(ranking: Ranking, name: str) -> tuple[str, ...]:
     """
     sure, named = ranking.of_cause(name), ranking.best.causes
     found = list(alternatives(ranking, name))
-    found += [other for law, other in ranking.alike.get(named, {}).items() if law == name]
+    found += [other for law, other in ranking.leader_caveats.alike.items() if law == name]
     found += [] if certain(sure) else _instead(ranking, name)
     if not found and not certain(sure):
         kind = by_name(name).cause()
@@ -34,8 +35,8 @@ def tied(ranking: Ranking, name: str) -> tuple[str, ...]:
 
 
 def _instead(ranking: Ranking, name: str) -> list[str]:
-    """Causes of the few nearest sets beside which one of the leading set is not certain (``Ranking.instead``)."""
-    others = ranking.instead.get(ranking.best.causes, {}).get(name, {})
+    """Causes of the few nearest sets beside which one of the leading set is not certain (``Caveats.instead``)."""
+    others = ranking.leader_caveats.instead.get(name, {})
     near = sorted((odds, sorted(causes)) for causes, odds in others.items() if odds < CERTAIN_ODDS)
     known, rest = kinds(ranking.best.causes), ranking.best.causes - {name}
     known |= {COULOMB} if rest & set(HOLDING_COULOMB) else set()

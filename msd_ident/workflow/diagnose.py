@@ -13,8 +13,8 @@ from msd_ident.estimate import FitResult, explained
 from msd_ident.estimate.levels import MOST_OF
 from msd_ident.estimate.result import scale_known
 from msd_ident.residuals import impulses
+from msd_ident.selection.certainty import certain
 from msd_ident.selection.fitted_sets import Progress
-from msd_ident.selection.ranking import certain
 from msd_ident.workflow import unstable_motion
 from msd_ident.workflow.options import Options
 from msd_ident.workflow.preparation import Prepared, held_otherwise, prepare

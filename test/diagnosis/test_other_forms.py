@@ -14,7 +14,7 @@ from bench.blind.cases import Case, run, sealed
 from msd_ident.io import SourceOptions, read
 from msd_ident.report import markdown, numbers, page
 from msd_ident.report.diagnosis import models_table
-from msd_ident.selection.ranking import CERTAIN
+from msd_ident.selection.certainty import CERTAIN
 from msd_ident.workflow import pipeline
 
 #: By lot, those that the base model leaves visible: (seed, law, experiment, the cause of the library).

@@ -17,10 +17,11 @@ from msd_ident.model.effects.stribeck_friction import StribeckFriction
 from msd_ident.report.calibration import corrections
 from msd_ident.residuals.noise_model import prepare
 from msd_ident.selection.calibration import Calibration, Row, corrected, odds
+from msd_ident.selection.certainty import CERTAIN
 from msd_ident.selection.experiment import Experiment, formulated
 from msd_ident.selection.hypothesis import Hypothesis
 from msd_ident.selection.naming import leading
-from msd_ident.selection.ranking import CERTAIN, Ranking
+from msd_ident.selection.ranking import Ranking
 from msd_ident.selection.replication import left_unchecked
 from msd_ident.selection.ties import tied
 
@@ -192,7 +193,8 @@ def test_a_limited_cause_has_its_limit_and_the_sets_add_up_to_one(
     fitted: dict[frozenset[str], Hypothesis], limits: dict[str, bool]
 ) -> None:
     """However much of its sets' probability a cause had before: here what is left limits it to 5 to 1."""
-    stated = replace(ranking(fitted, drag=0.98, nothing=0.02), clear={DRAG: {"quadratic_drag": 5.0}}, **limits)
+    stated = ranking(fitted, drag=0.98, nothing=0.02).with_caveats(DRAG, clear={"quadratic_drag": 5.0})
+    stated = replace(stated, **limits)
     after = corrected(stated, [row(DRAG, False, nothing=8), row(NOTHING, nothing=20)], fitted)
     assert after.of_cause("quadratic_drag") == pytest.approx(0.75)
     assert sum(after.probability) == pytest.approx(1.0)

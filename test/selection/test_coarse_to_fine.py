@@ -74,7 +74,9 @@ def test_sets_that_leave_far_less_than_the_leading_one_are_judged_on_all_samples
         chi = {"coulomb_friction": leader, "cogging": 200.0, "backlash": 240.0, "hysteresis": 260.0}
         sets = tuple(SimpleNamespace(causes=frozenset({name}), chi=left) for name, left in chi.items())
         evidence = (0.0, -90.0, -80.0, -70.0)
-        ranking = Ranking(cast(Any, sets), evidence, (1.0, 0.0, 0.0, 0.0), exact=frozenset({frozenset(exact)}))
+        known = frozenset(exact)
+        ranking = Ranking(cast(Any, sets), evidence, (1.0, 0.0, 0.0, 0.0))
+        ranking = ranking.with_caveats(known, exact=True) if exact else ranking
         return [name for one in coarse_to_fine._leaving_less(ranking) for name in one.causes]
 
     assert asked(1000.0) == ["backlash", "cogging"]

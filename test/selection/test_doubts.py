@@ -8,19 +8,19 @@ import pytest
 from likelihoods import ranking
 
 from msd_ident.selection import doubts
-from msd_ident.selection.ranking import CERTAIN
+from msd_ident.selection.certainty import CERTAIN
 
 
 def test_what_may_be_another_form_is_told_with_its_part() -> None:
     one = ranking({("backlash", "cogging"): 1.0, ("backlash",): 1e-9})
-    told = doubts.sentences(replace(one, further={frozenset({"backlash", "cogging"}): {"cogging": 0.084}}))
+    told = doubts.sentences(one.with_caveats(one.best.causes, further={"cogging": 0.084}))
     assert told == (
         "Cogging explains 8 % of what backlash explains: another form of that law could do the same, so it is not "
         "certain that it is a cause of its own.",
     )
     assert doubts.sentences(one) == ()
     three = frozenset({"bouc_wen", "cogging", "quadratic_drag"})
-    (told,) = doubts.sentences(replace(ranking({tuple(three): 1.0}), further={three: {"cogging": 0.084}}))
+    (told,) = doubts.sentences(ranking({tuple(three): 1.0}).with_caveats(three, further={"cogging": 0.084}))
     assert told.startswith("Cogging explains 8 % of what Bouc-Wen and quadratic drag explain: ")
 
 
@@ -28,8 +28,8 @@ def test_what_may_be_another_form_is_told_with_its_part() -> None:
 def test_what_is_certain_is_not_told_to_be_uncertain(clear: float, said: int) -> None:
     """Drag that stands out of the noise sixty times is named with 98 %, however little of the friction it is."""
     pair = frozenset({"coulomb_friction", "quadratic_drag"})
-    found = replace(ranking({tuple(pair): 1.0}), rich=True, exact=frozenset({pair}))
-    found = replace(found, further={pair: {"quadratic_drag": 0.03}}, clear={pair: {"quadratic_drag": clear}})
+    found = replace(ranking({tuple(pair): 1.0}), rich=True)
+    found = found.with_caveats(pair, exact=True, further={"quadratic_drag": 0.03}, clear={"quadratic_drag": clear})
     assert (found.of_cause("quadratic_drag") > CERTAIN) is (said == 0)
     assert len(doubts.sentences(found)) == said
 
@@ -45,7 +45,7 @@ def test_over_one_decay_nothing_that_changes_with_time_is_certain(name: str, ric
     A pendulum on ball bearings had friction "that settles" with 0.97; over the second half of its decay it settled in
     81 s in place of 16 s.
     """
-    found = replace(ranking({(name,): 1.0}), rich=rich, exact=frozenset({frozenset({name})}))
+    found = replace(ranking({(name,): 1.0}), rich=rich).with_caveats(frozenset({name}), exact=True)
     assert found.of_cause(name) == pytest.approx(sure)
     said = any("may be one that changes with the amplitude" in one for one in doubts.sentences(found))
     assert said is (sure < 1.0)
@@ -76,7 +76,7 @@ def test_under_a_controller_no_law_that_pushes_back_at_a_place_is_certain(
     name: str, steered: bool, sure: float
 ) -> None:
     """A torsion disc under a position controller, held by friction near its setpoint, had "an end stop" with 0.95."""
-    found = replace(ranking({(name,): 1.0}), steered=steered, exact=frozenset({frozenset({name})}))
+    found = replace(ranking({(name,): 1.0}), steered=steered).with_caveats(frozenset({name}), exact=True)
     assert found.of_cause(name) == pytest.approx(sure)
     said = any("A controller brings the cart to the same places" in one for one in doubts.sentences(found))
     assert said is (sure < 1.0)
@@ -85,7 +85,7 @@ def test_under_a_controller_no_law_that_pushes_back_at_a_place_is_certain(
 @pytest.mark.parametrize(("exact", "sure"), [(False, CERTAIN), (True, 1.0)])
 def test_where_more_than_noise_is_left_it_may_be_the_mass_that_changes(exact: bool, sure: float) -> None:
     found = replace(ranking({("stiffness_drift",): 1.0}), rich=True)
-    found = replace(found, exact=frozenset({frozenset({"stiffness_drift"})} if exact else ()))
+    found = found.with_caveats(found.best.causes, exact=exact)
     assert found.of_cause("stiffness_drift") == pytest.approx(sure)
     said = any("a mass that changes with time could do" in one for one in doubts.sentences(found))
     assert said is not exact

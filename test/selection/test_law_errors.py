@@ -21,10 +21,10 @@ from msd_ident.model.effects.smooth_stribeck_friction import SmoothStribeckFrict
 from msd_ident.model.effects.stribeck_friction import StribeckFriction
 from msd_ident.residuals.noise_spectrum import NoiseSpectrum
 from msd_ident.selection import doubts
+from msd_ident.selection.certainty import CERTAIN, FAINT, certain
 from msd_ident.selection.evidence import scale_from
 from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.ordering import rank
-from msd_ident.selection.ranking import CERTAIN, FAINT, certain
 from msd_ident.selection.ties import tied
 
 
@@ -155,7 +155,7 @@ def test_two_causes_that_only_together_were_worth_a_fit_may_be_another_form(
     assert found.best.causes == set(three.effect_names)
     for name in ("quadratic_drag", "cubic_spring"):
         assert (found.of_cause(name) > CERTAIN) is not coloured
-        assert name in found.further[found.best.causes]
+        assert name in found.leader_caveats.further
 
 
 def test_a_faint_cause_that_explains_as_much_as_the_others_is_one(experiment: Experiment) -> None:
@@ -244,17 +244,17 @@ def test_where_more_than_noise_is_left_a_law_is_compared_with_each_in_its_place(
         "another friction": fitted(experiment, BASE + StribeckFriction(0.1, 0.2, 0.01) + damped, left),
     }
     found = ranked(sets).led_by(sets["named"])
-    told = found.instead[found.best.causes]
+    told = found.leader_caveats.instead
     swapped, alone = frozenset({"coulomb_friction", offset.name}), frozenset({"coulomb_friction"})
     assert told[damped.name][swapped] == pytest.approx(2.0), "not less, although likelier before any data"
     assert told[damped.name][alone] == pytest.approx((100.0**2 - 10.0**2) / (10.0**2 - 1.0)), "of fewer causes"
     assert list(told["coulomb_friction"]) == [{offset.name, damped.name}], "Stribeck friction holds it as a limit"
     assert not certain(found.of_cause(damped.name)) and tied(found, damped.name)[0] == offset.name
-    other = ranked(sets).led_by(sets["in place"]).instead.get(sets["in place"].causes, {}).get(offset.name, {})
+    other = ranked(sets).caveats_of(sets["in place"].causes).instead.get(offset.name, {})
     assert other.get(found.best.causes, 0.0) == 0.0, "that one leaves less"
     assert found.of_any((damped.name, offset.name)) > found.of_cause(damped.name), "which is in doubt, not whether one"
     exact = {**sets, "named": fitted(experiment, rubs + damped, 840.0)}
-    assert ranked(exact).instead[found.best.causes] == {}, "no error of a law is seen"
+    assert ranked(exact).caveats_of(found.best.causes).instead == {}, "no error of a law is seen"
 
 
 def test_a_law_that_explains_nothing_beside_another_set_is_no_rival(experiment: Experiment) -> None:
@@ -267,7 +267,7 @@ def test_a_law_that_explains_nothing_beside_another_set_is_no_rival(experiment: 
         "no more": fitted(experiment, rubs + ForceOffset(0.0), faint),
     }
     found = ranked(sets).led_by(sets["named"])
-    assert found.instead[found.best.causes][drag.name] == {frozenset({"coulomb_friction"}): pytest.approx(6.0)}
+    assert found.leader_caveats.instead[drag.name] == {frozenset({"coulomb_friction"}): pytest.approx(6.0)}
     assert "force_offset" not in tied(found, drag.name)
 
 

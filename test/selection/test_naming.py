@@ -12,9 +12,11 @@ import pytest
 from likelihoods import Set, ranking
 
 from msd_ident.selection import doubts, naming, ties
+from msd_ident.selection.caveats import Caveats
+from msd_ident.selection.certainty import CERTAIN
 from msd_ident.selection.cross_validation import HeldOut
 from msd_ident.selection.hypothesis import Hypothesis
-from msd_ident.selection.ranking import CERTAIN, DECISIVE, Ranking
+from msd_ident.selection.ranking import DECISIVE, Ranking
 
 NAMES = ("backlash", "cogging", "coulomb_friction", "hysteresis", "quadratic_drag")
 
@@ -71,7 +73,7 @@ def test_without_what_may_be_another_form_the_others_have_the_probability_that_i
     both = frozenset({"backlash", "cogging"})
     given = ranking({("backlash", "cogging"): 1.0, ("backlash",): 1e-9, ("hysteresis",): 1e-12})
     assert naming.chances(given)[frozenset({"backlash"})] < 1e-6
-    found = naming.chances(replace(given, further={both: {"cogging": 0.084}}))
+    found = naming.chances(given.with_caveats(both, further={"cogging": 0.084}))
     assert found[frozenset({"backlash"})] == pytest.approx(0.25) and found[frozenset({"hysteresis"})] < 1e-6
 
 
@@ -82,9 +84,9 @@ def left_over(first: tuple[str, ...], chi: Mapping[tuple[str, ...], float], ahea
     sets = {causes: cast(Hypothesis, Set(frozenset(causes), left)) for causes, left in chi.items()}
     order = sorted(sets, key=lambda causes: causes != first)
     even = tuple(1.0 / len(order) for _ in order)
-    exact = frozenset(frozenset(causes) for causes, left in chi.items() if left < 110.0)
+    caveats = {one.causes: Caveats(one.causes, exact=one.chi < 110.0) for one in sets.values()}
     values = (0.0, *(-ahead for _ in order[1:]))
-    given = Ranking(tuple(sets[causes] for causes in order), values, even, exact=exact)
+    given = Ranking(tuple(sets[causes] for causes in order), values, even, caveats=caveats)
     return naming._leaving_less(given, cast(Any, SimpleNamespace(evidence=100.0)), sets[()])
 
 

@@ -35,8 +35,10 @@ from msd_ident.model.effects.smooth_friction_turn import SmoothFrictionTurn
 from msd_ident.model.effects.stribeck_friction import StribeckFriction
 from msd_ident.model.effects.two_tone_disturbance import TwoToneDisturbance
 from msd_ident.selection import doubts, ties
+from msd_ident.selection.caveats import Caveats
+from msd_ident.selection.certainty import CERTAIN, CERTAIN_ODDS, certain
 from msd_ident.selection.experiment import Experiment
-from msd_ident.selection.ranking import CERTAIN, CERTAIN_ODDS, Ranking, certain
+from msd_ident.selection.ranking import Ranking
 
 
 @pytest.fixture
@@ -153,7 +155,7 @@ def test_a_cause_that_explains_less_than_is_left_is_no_likelier_than_not(
         "nothing": fitted(experiment, BASE, 840.0 * 100.0**2),
         "drag": fitted(experiment, BASE + QuadraticDrag(1.0), 840.0 * 20.0**2),
     }
-    found = replace(ranked(sets), clear={drag: {"quadratic_drag": clear}}, leaves={})
+    found = ranked(sets).with_caveats(drag, clear={"quadratic_drag": clear}, leaves=0.0)
     assert found.best.causes == drag and found.of_set(drag) > 0.99
     assert found.of_cause("quadratic_drag") == pytest.approx(odds / (1.0 + odds), abs=0.01)
 
@@ -203,7 +205,7 @@ def test_a_law_that_the_data_does_not_tell_from_the_leading_one_takes_its_place(
         }
     )
     old = found.best
-    found = replace(found, further={old.causes: {slope.name: 0.1}}, clear={old.causes: {slope.name: 2.0}})
+    found = found.with_caveats(old.causes, further={slope.name: 0.1}, clear={slope.name: 2.0})
     law = fitted(experiment, BASE + rubs + ForceDeadZone(0.1), 840.0 * 10.0**2)
     for before in (found, replace(found, sets=(*found.sets, law), evidence=(*found.evidence, -9.0),
                                   probability=(*(0.9 * p for p in found.probability), 0.1))):  # fmt: skip
@@ -212,7 +214,7 @@ def test_a_law_that_the_data_does_not_tell_from_the_leading_one_takes_its_place(
         assert [one.causes for one in after.sets].count(law.causes) == 1
         assert after.of_cause("force_dead_zone") == pytest.approx(after.of_cause(slope.name))
         assert after.of_cause("force_dead_zone") <= 0.75 + 1e-9, "as sure as the law before it, no more"
-        assert after.further[law.causes] == {"force_dead_zone": 0.1}
+        assert after.leader_caveats.further == {"force_dead_zone": 0.1}
     same = fitted(experiment, BASE + rubs + ForceGainNonlinearity(0.0, 5.0), 840.0 * 10.0**2)
     limited = found.with_law(same)
     assert limited.best is same and len(limited.sets) == len(found.sets)
@@ -251,7 +253,7 @@ def test_sets_that_hold_a_cause_are_together_no_likelier_than_the_cause() -> Non
         for name in ("cubic_spring", "relaxing_spring", "coulomb_friction"):
             held = sum(limited.stated(one.causes) for one in limited.sets if name in one.causes)
             assert held <= limited.of_cause(name) + 1e-12, name
-    exact = replace(found, exact=frozenset(one.causes for one in found.sets), rich=True)
+    exact = replace(found, caveats={one.causes: Caveats(one.causes, exact=True) for one in found.sets}, rich=True)
     assert exact.stated(frozenset(both)) == pytest.approx(0.5), "where nothing lowers a cause"
 
 
@@ -265,7 +267,7 @@ def test_what_is_not_certain_in_the_leading_set_is_made_certain_by_no_other(expe
     found = ranked({"nothing": fitted(experiment, BASE, 840.0 * 100.0**2), "slow": leader})
     both = replace(
         found, sets=(leader, other), evidence=(0.0, 0.0), probability=(0.5, 0.5),
-        exact=frozenset({leader.causes, other.causes}),
+        caveats={one.causes: replace(found.caveats_of(one.causes), exact=True) for one in (leader, other)},
     )  # fmt: skip
     assert both.of_cause_by_sets(slow.name) > 0.94 and both.of_cause(slow.name) == pytest.approx(CERTAIN)
     assert not certain(both.of_cause(slow.name))
@@ -321,7 +323,7 @@ def test_beside_a_drift_a_law_along_the_travel_keeps_its_odds_and_so_does_a_slow
                 "both": fitted(experiment, BASE + beside + one, 840.0),
             }
         )
-        assert one.name in found.slow[found.best.causes]
+        assert one.name in found.leader_caveats.slow
         assert found.of_cause(one.name) == pytest.approx(CERTAIN, abs=0.01)
 
 
@@ -385,7 +387,7 @@ def test_a_small_further_spring_is_not_certain_even_where_only_noise_is_left(exp
         )
         found = replace(found, rich=True)
         assert found.best.causes == {one.name, further.name}
-        assert found.further[found.best.causes]
+        assert found.leader_caveats.further
         assert found.of_cause(further.name) == pytest.approx(sure, abs=0.01)
 
 
@@ -396,7 +398,7 @@ def test_where_the_rig_follows_another_law_sets_that_leave_hardly_less_make_no_c
     rub = fitted(experiment, BASE + CoulombFriction(0.1), 840.0 * 20.0**2)
     more = fitted(experiment, BASE + CoulombFriction(0.1) + SensorEccentricity(1e-4, 0.01), 840.0 * 19.0**2)
     plain = Ranking((rub, more), (0.0, -1.5), (0.8, 0.2))
-    told = replace(plain, leaves={rub.causes: 0.3})
+    told = plain.with_caveats(rub.causes, leaves=0.3)
     assert plain.of_cause("coulomb_friction") == pytest.approx(1.0)
     assert told.of_cause("coulomb_friction") <= CERTAIN + 1e-12
     assert any("so no named cause is certain" in said for said in doubts.sentences(told))
@@ -410,11 +412,11 @@ def test_of_two_laws_that_give_the_same_motion_each_is_as_likely_as_the_other(ex
         "play": fitted(experiment, BASE + Backlash(1e-3), 840.0),
         "ripple": fitted(experiment, BASE + Cogging(0.1, 0.01, 0.0), 840.0),
     }
-    twins = {play: {"backlash": "cogging"}, ripple: {"cogging": "backlash"}}
-    both = replace(ranked(sets), alike=twins)
+    twin = {"backlash": "cogging"}
+    both = ranked(sets).with_caveats(play, alike=twin).with_caveats(ripple, alike={"cogging": "backlash"})
     assert both.of_set(play) + both.of_set(ripple) == pytest.approx(1.0)
     assert both.of_cause("backlash") == pytest.approx(0.5) == both.of_cause("cogging")
-    one = replace(ranked({name: sets[name] for name in ("nothing", "play")}), alike={play: twins[play]})
+    one = ranked({name: sets[name] for name in ("nothing", "play")}).with_caveats(play, alike=twin)
     assert one.of_cause("backlash") == pytest.approx(0.5) == one.of_cause("cogging")
     assert ties.tied(one, "backlash") == ("cogging",)
 
@@ -429,8 +431,8 @@ def test_that_one_of_more_causes_acts_is_no_less_likely(experiment: Experiment) 
         "peak": fitted(experiment, BASE + peak, 900.0),
         "both": fitted(experiment, BASE + drag + peak, 840.0),
     }
-    told = replace(ranked(sets), alike={both: {"fading_damping": "coulomb_friction"}})
-    assert "stribeck_friction" in told.further[both] or "fading_damping" in told.further[both]
+    told = ranked(sets).with_caveats(both, alike={"fading_damping": "coulomb_friction"})
+    assert {"stribeck_friction", "fading_damping"} & set(told.caveats_of(both).further)
     names = ("coulomb_friction", "stribeck_friction", "quadratic_drag", "cogging")
     groups = [group for size in range(1, 5) for group in combinations(names, size)]
     for fewer in groups:
@@ -449,8 +451,8 @@ def test_drag_beside_a_friction_of_a_free_form_is_not_certain(rubs: Effect, sure
         "both": fitted(experiment, BASE + rubs + QuadraticDrag(1.0), 840.0),
     }
     told = replace(ranked(sets), rich=True)
-    assert told.best.causes == {rubs.name, "quadratic_drag"} and told.best.causes in told.exact
-    assert "quadratic_drag" in told.further[told.best.causes]
+    assert told.best.causes == {rubs.name, "quadratic_drag"} and told.leader_caveats.exact
+    assert "quadratic_drag" in told.leader_caveats.further
     assert certain(told.of_cause("quadratic_drag")) is sure
 
 
@@ -458,7 +460,7 @@ def test_of_two_laws_that_give_the_same_motion_the_rarer_has_the_odds_of_its_pri
     """The likelier one is no more than even: no record tells them apart."""
     valve = frozenset({"force_dead_zone"})
     sets = {"nothing": fitted(experiment, BASE, 1e6), "valve": fitted(experiment, BASE + ForceDeadZone(0.1), 840.0)}
-    told = replace(ranked(sets), alike={valve: {"force_dead_zone": "coulomb_friction"}})
+    told = ranked(sets).with_caveats(valve, alike={"force_dead_zone": "coulomb_friction"})
     rarer = ForceDeadZone.prior_odds / CoulombFriction.prior_odds
     assert rarer < 0.1
     assert told.of_cause("force_dead_zone") == pytest.approx(rarer / (1.0 + rarer))
@@ -481,7 +483,7 @@ def test_one_of_two_that_share_the_probability_acts_surely(experiment: Experimen
     assert found.of_any(("coulomb_friction",)) == each[0]
     assert found.of_any(("coulomb_friction", "cogging")) == each[0]
     assert replace(found, unchecked=True).of_any(("coulomb_friction", "backlash")) <= found.limit("backlash")
-    doubted = replace(found, foretold=True, exact=frozenset())
+    doubted = replace(found, foretold=True).with_caveats(found.best.causes, exact=False)
     assert doubted.of_any(("coulomb_friction", "backlash")) == pytest.approx(0.5)
 
 
