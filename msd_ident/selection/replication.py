@@ -32,7 +32,7 @@ from msd_ident.tuning import tuned
 COPIES = tuned(
     8,
     unit="copies",
-    why="of each fitted explanation; twice as many of one whose strengths are drawn by lot",
+    why="of each explanation; twice as many of a single one whose strengths are drawn by lot",
     chosen="by hand",
 )
 #: Copies without a cause that a certain name needs at least: from so many on, Laplace's rule (N + 1)/(N + 2), which
@@ -286,8 +286,14 @@ def cost(experiment: Experiment, rows: Sequence[Explanation], counts: Sequence[i
 
 
 def _copies(rows: Sequence[Explanation]) -> list[int]:
-    """Copies of each row: more where few rows lack a cause, which certainty needs."""
-    counts = [2 * COPIES if row.any_strength else COPIES for row in rows]
+    """Copies of each row: more where few rows lack a cause, which certainty needs, and of a single rival drawn by lot.
+
+    Of more such rivals the mean counts (``_against``), which is known from fewer copies of each.
+    """
+    counts = [COPIES] * len(rows)
+    drawn = [i for i, row in enumerate(rows) if row.any_strength]
+    if len(drawn) == 1:
+        counts[drawn[0]] = 2 * COPIES
     for cause in sorted(rows[0].causes):
         lacking = [i for i, row in enumerate(rows) if cause not in row.causes]
         for i in lacking:
