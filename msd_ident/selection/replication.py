@@ -177,8 +177,9 @@ def checked(
     """The ranking as corrected by copies of the experiment, and their confusion matrix.
 
     Unless ``asked``, no copies are made if the experiment is not poor, if left-out data chose the leading set, whose
-    causes are not certain anyway, or if they cost more than ``_CHEAP``. A poor experiment without copies lets no cause
-    be certain.
+    causes are not certain anyway, if they cost more than ``_CHEAP``, or if the leading set leaves far more than noise:
+    no copy of it is like the record then, and each takes many times as long. A poor experiment without copies limits
+    the odds of each cause (``Ranking.limit``).
 
     Args:
         experiment: the measured records.
@@ -194,7 +195,8 @@ def checked(
         return ranking, None
     rows = explanations(ranking, experiment.library)
     counts = _copies(rows)
-    if not asked and cost(experiment, rows, counts) > _CHEAP:
+    far = ranking.best.chi > FAR * experiment.evidence
+    if not asked and (far or cost(experiment, rows, counts) > _CHEAP):
         return replace(ranking, unchecked=True), None
     rows = [row.fitted_from(experiment, ranking.best) for row in rows]
     study = _study(experiment, base, ranking, rows)

@@ -75,6 +75,53 @@ def test_copies_that_cost_too_much_are_not_made_unasked(monkeypatch: pytest.Monk
     assert pipeline.diagnose([measured(STEP, counts_per_metre=0.0, noise=5e-6)]).calibration is None
 
 
+@pytest.mark.parametrize(("left", "made"), [(0.9, True), (1.1, False)])
+def test_no_copies_are_made_unasked_of_what_leaves_far_more_than_noise(
+    left: float, made: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """None is like the record: they took 49 of 71 s of the diagnosis of a measured step, and changed 0.74 to 0.67."""
+
+    class Made(Exception):
+        pass
+
+    def all_copies(*_: object) -> None:
+        raise Made
+
+    monkeypatch.setattr(replication, "_all", all_copies)
+    monkeypatch.setattr(replication, "_CHEAP", math.inf)
+    data = setrigs.steps()
+    base = setrigs.fitted(data, setrigs.BASE, 1e9)
+    rubs = setrigs.fitted(data, setrigs.BASE + CoulombFriction(0.1), left * FAR * data.evidence)
+    ranking = setrigs.ranked({"base": base, "rubs": rubs})
+    assert ranking.best is rubs and not ranking.rich
+
+    def checked(asked: bool) -> bool:
+        try:
+            found, matrix = replication.checked(data, base, ranking, asked, lambda stage, fraction, cause: None)
+        except Made:
+            return True
+        assert matrix is None and found.unchecked
+        (said,) = replication.left_unchecked(found, matrix)
+        assert "--calibrate makes the copies" in said
+        return False
+
+    assert checked(True) and checked(False) is made
+
+
+@pytest.mark.parametrize(
+    ("drawn", "counts"), [(0, [8, 18]), (1, [8, 9, 16]), (2, [8, 8, 8, 8]), (5, [8, 8, 8, 8, 8, 8, 8])]
+)
+def test_of_several_rivals_drawn_by_lot_as_many_copies_each_are_made_as_of_a_fitted_one(
+    drawn: int, counts: list[int]
+) -> None:
+    """Their mean counts. Certainty needs 18 copies without the cause, whatever rows they are of."""
+    lead = replication.Explanation(frozenset({"coulomb_friction"}), None)
+    nothing = replication.Explanation(frozenset(), None)
+    names = ("stribeck_friction", "load_dependent_friction", "hysteresis", "bouc_wen", "smooth_friction")[:drawn]
+    rivals = [replication.Explanation(frozenset({name}), None, True) for name in names]
+    assert replication._copies([lead, nothing, *rivals]) == counts
+
+
 def test_what_progress_raises_ends_it() -> None:
     class Enough(Exception):
         pass
