@@ -194,6 +194,14 @@ def test_a_controller_that_brings_a_cart_from_rest_did_not_push_it_before(setpoi
     assert quality.rests_under_force(held)
 
 
+def test_a_cart_that_moves_in_its_first_lines_does_not_rest_under_the_first_force() -> None:
+    """A table cut out of a running test: the cart leaves its place before the force has changed by much."""
+    time = 0.01 * np.arange(700)
+    motion, force = 8.0 * np.cos(5.3 * time + 0.8), -250.0 * np.sin(5.3 * time + 1.2)
+    running = from_samples(time, force, motion)
+    assert quality.begins_pushed(running) and not quality.rests_under_force(running)
+
+
 @pytest.mark.parametrize("force", [5.0, -3.0])
 def test_a_release_under_a_constant_force_is_no_step(force: float) -> None:
     displaced = float(np.sign(force)) * 0.03

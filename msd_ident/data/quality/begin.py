@@ -53,7 +53,8 @@ def rests_under_force(record: Record) -> bool:
         return False
     jump = float(record.force_at([change])[0]) - first
     height = abs(jump)
-    left = abs(float(np.median(held) - np.median(held[:MINIMUM_SAMPLES])))
+    first_few = held[: min(MINIMUM_SAMPLES, held.size // 3)]
+    left = abs(float(np.median(held) - np.median(first_few)))
     noise = noise_of(record)
     stays = left < max(_STILL * noise.floor + noise.step, _CREEPS * float(np.ptp(record.position)))
     rests = float(np.ptp(held)) / abs(first) < _RESTS * float(np.ptp(after)) / max(height, _CHANGE * span)

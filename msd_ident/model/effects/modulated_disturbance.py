@@ -93,7 +93,12 @@ class ModulatedDisturbance(Effect):
     @classmethod
     def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:
         """A modulation that is slower than the record is long is none that is seen."""
-        return {"modulation_frequency": (math.pi / seen.duration, 0.3 * math.pi / seen.period)}
+        sideband = PeriodicDisturbance.resolvable(seen)["disturbance_amplitude"]
+        return {
+            "modulation_frequency": (math.pi / seen.duration, 0.3 * math.pi / seen.period),
+            "lower_sideband_amplitude": sideband,
+            "upper_sideband_amplitude": sideband,
+        }
 
     @classmethod
     def guess(cls, record: Record, plant: Model) -> tuple[ModulatedDisturbance, ...]:

@@ -61,13 +61,21 @@ class PeriodicDisturbance(Effect):
 
     @classmethod
     def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:
-        """See ``Effect``."""
-        return {"disturbance_frequency": (math.pi / seen.duration, 0.6 * math.pi / seen.period)}
+        """A tone beside which the known force is nothing moves a plant of any scale: that follows any motion."""
+        return {
+            "disturbance_frequency": (math.pi / seen.duration, 0.6 * math.pi / seen.period),
+            "disturbance_amplitude": (0.0, largest(seen)),
+        }
 
     @classmethod
     def guess(cls, record: Record, plant: Model) -> tuple[PeriodicDisturbance, ...]:
         """The three strongest lines of the force that the plant leaves unexplained, with amplitude and phase."""
         return tuple(cls(a, w, phi) for a, w, phi in typical.lines(record, plant, count=3))
+
+
+def largest(seen: RecordScales) -> float:
+    """Largest amplitude [N] of a tone: ten times the force that acts, or that the motion takes."""
+    return 10.0 * max(seen.force, seen.mass * seen.span * seen.rate**2)
 
 
 def tone_or_reading(model: Model) -> str:

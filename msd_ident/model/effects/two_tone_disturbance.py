@@ -75,7 +75,11 @@ class TwoToneDisturbance(Effect):
     @classmethod
     def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:
         """See ``Effect``."""
-        return {"second_tone_frequency": PeriodicDisturbance.resolvable(seen)["disturbance_frequency"]}
+        tone = PeriodicDisturbance.resolvable(seen)
+        return {
+            "second_tone_frequency": tone["disturbance_frequency"],
+            "second_tone_amplitude": tone["disturbance_amplitude"],
+        }
 
     @classmethod
     def guess(cls, record: Record, plant: Model) -> tuple[TwoToneDisturbance, ...]:
