@@ -93,6 +93,7 @@ def export(
     results.check_apart([*written, *filter(None, (json, output.report))], read)
     output.check(*read)
     results.check_targets(output.overwrite, *written)
+    source = source if replay else _as_read(saved, source)
     paths, why = ((), "--no-replay") if no_replay else _paths(saved, result, replay, source)
     records = [record for path in paths for record in read_all(path, source)]
     found = exports.export(saved, chosen, out, settings, records)
@@ -144,6 +145,11 @@ def _paths(
         except MsdError as error:
             return (), f"its own record cannot be replayed ({error}): give --replay PATH and how to read it"
     return own, ""
+
+
+def _as_read(saved: SavedModel, source: SourceOptions) -> SourceOptions:
+    """How the records of a result were read, but for what is asked of them now."""
+    return source.as_chosen({**saved.read_with, **source.chosen})
 
 
 def _check(saved: SavedModel, record: Record) -> None:

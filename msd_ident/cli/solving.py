@@ -76,7 +76,7 @@ def work(
         if output.tables:
             show(result, console)
         found = result.to_json_dict()
-        line = {"schema": found.pop("schema"), "path": name, **found}
+        line = {"schema": found.pop("schema"), "path": name, "read_with": source.chosen, **found}
         if further is not None:
             used, incomplete = further.use(line, group, kept, console if output.tables else None)
             line, failed = line | used, failed or incomplete

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import Literal
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Any, Literal
 
 from msd_ident.data.record import Hold
 from msd_ident.errors import UsageError
@@ -94,6 +95,24 @@ class SourceOptions:
         start, end = self.window
         if not start < end:
             raise UsageError(f"the window from {start:g} s to {end:g} s is empty; expected start before end")
+
+    @classmethod
+    def as_chosen(cls, chosen: Mapping[str, Any]) -> SourceOptions:
+        """The options that ``chosen`` gives, as a result states them.
+
+        Raises:
+            UsageError: an option that there is none of, or a value of another type.
+        """
+        words = {one.name: isinstance(one.default, str) for one in fields(cls)}
+        for name, value in chosen.items():
+            if name not in words or not isinstance(value, str if words[name] else (int, float)):
+                raise UsageError(f"{name} is {value!r}; expected an option of how a record is read, and its value")
+        return cls(**chosen)
+
+    @property
+    def chosen(self) -> dict[str, Any]:
+        """The options that are not the default, by name."""
+        return {one.name: value for one in fields(self) if (value := getattr(self, one.name)) != one.default}
 
     @property
     def no_force(self) -> bool:

@@ -50,6 +50,7 @@ class SavedModel:
         text: the result as JSON.
         scale_assumed: whether no force set anything in motion, so that its forces are those of an assumed mass.
         origins: name of each of its records → instant from which its laws of time count it [s].
+        read_with: how its records were read: the options that were not the default (``io.SourceOptions``).
     """
 
     schema: str
@@ -72,6 +73,7 @@ class SavedModel:
     text: str = ""
     scale_assumed: bool = False
     origins: Mapping[str, float] = field(default_factory=dict)
+    read_with: Mapping[str, Any] = field(default_factory=dict)
 
 
 def load(path: str | os.PathLike[str]) -> SavedModel:
@@ -146,6 +148,7 @@ def from_json_dict(result: Mapping[str, Any], name: str = "the result") -> Saved
             rivals=tuple(_rival(one) for one in result.get("rivals", ())),
             text=json.dumps(result, ensure_ascii=False) + "\n",
             scale_assumed=_assumed(parameters, result),
+            read_with=dict(result.get("read_with", {})),
             origins={str(one["name"]): _number("origin_s", one["origin_s"]) for one in sheets if "origin_s" in one},
         )
     except (KeyError, IndexError, TypeError, ValueError, AttributeError, UsageError) as error:

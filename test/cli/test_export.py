@@ -50,6 +50,45 @@ def test_export_without_its_record_says_so(rig: Path, tmp_path: Path) -> None:
     assert told["replay"] is None and told["not_replayed"] == "its own record rig.csv is not here: give --replay PATH"
 
 
+@pytest.fixture(scope="module")
+def millimetres(rig: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The same record with other headings and units, and the result that ``msd identify`` wrote of it."""
+    folder = tmp_path_factory.mktemp("millimetres")
+    time, force, position = np.loadtxt(rig / "rig.csv", delimiter=",", skiprows=1).T
+    header = "clock,current,laser"
+    rows = np.column_stack([time, force, 1e3 * position])
+    np.savetxt(folder / "rig.csv", rows, delimiter=",", header=header, comments="", fmt="%.9g")
+    reading = ("--time", "clock", "--force", "current", "--force-unit", "N", "--position", "laser")
+    made = run("identify", folder / "rig.csv", *reading, "--position-unit", "mm", "--json", folder / "result.json")
+    assert made.code == 0, made.err
+    return folder
+
+
+@pytest.mark.xdist_group("export_cli")
+def test_its_own_record_is_read_as_the_result_was(millimetres: Path) -> None:
+    """Without the options given again, its record had "no column called position"."""
+    told = json.loads((millimetres / "result.json").read_text())
+    assert told["read_with"] == {
+        "force": "current", "position": "laser", "time": "clock", "force_unit": "N", "position_unit": "mm"
+    }  # fmt: skip
+    whole = ("export", millimetres / "result.json", "--to", "python", "--json", "-", "--out")
+    found = run(*whole, millimetres / "rig.py")
+    assert found.code == 0, found.err
+    assert json.loads(found.out)["replay"]["see_target_m"] == pytest.approx(told["refined"]["see_m"], rel=0.1)
+    other = json.loads(run(*whole, millimetres / "other.py", "--position", "current").out)
+    assert other["replay"] is None or other["replay"]["see_target_m"] > 10.0 * told["refined"]["see_m"]
+
+
+@pytest.mark.xdist_group("export_cli")
+@pytest.mark.parametrize("wrong", [{"gears": "3"}, {"force": 7}, {"start": "soon"}])
+def test_a_reading_that_is_none_is_refused(wrong: dict[str, object], millimetres: Path, tmp_path: Path) -> None:
+    told = json.loads((millimetres / "result.json").read_text()) | {"read_with": wrong}
+    (tmp_path / "result.json").write_text(json.dumps(told))
+    found = run("export", tmp_path / "result.json", "--to", "python", "--out", tmp_path / "rig.py")
+    assert found.code == 2 and "expected an option of how a record is read, and its value" in found.err
+    assert found.err.count("\n") == 1 and not (tmp_path / "rig.py").exists()
+
+
 @pytest.mark.xdist_group("export_cli")
 def test_a_result_of_several_records_is_replayed_on_all_and_replaces_none(rig: Path, tmp_path: Path) -> None:
     for name in ("rig.csv", "again.csv"):

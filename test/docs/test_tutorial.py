@@ -84,7 +84,12 @@ def test_every_key_of_an_identification_is_documented_and_there(lesson: Lesson) 
     new = undocumented(found, "msd.identification/1")
     assert not new, f"{new} has no line in docs/json.md"
     known = [{"name": "mass", "value": 1.0, "std": 0.1, "unit": "kg"}]
-    found |= {"known": known, "open": ["…"], "findings": [vars(Finding("info", "code", "sentence"))]}
+    found |= {
+        "read_with": {"OPTION": "…"},
+        "known": known,
+        "open": ["…"],
+        "findings": [vars(Finding("info", "code", "sentence"))],
+    }
     assert documented("msd.identification/1") == set(json_contract.paths(found))
 
 
@@ -92,7 +97,7 @@ def test_every_key_of_a_diagnosis_is_documented_and_there(lesson: Lesson) -> Non
     found = lesson.objects["diagnosis"]
     new = undocumented(found, "msd.diagnosis/2")
     assert not new, f"{new} has no line in docs/json.md"
-    whole = {"path": found["path"], **everything(lesson.diagnosis).to_json_dict()}
+    whole = {"path": found["path"], "read_with": {"OPTION": "…"}, **everything(lesson.diagnosis).to_json_dict()}
     there = set(json_contract.paths(whole)) - experiment_paths(whole)
     empty = {path for path in there if f"{path}[]" in there}  # a rival without causes, beside one with some
     assert documented("msd.diagnosis/2") == there - empty
