@@ -68,7 +68,7 @@ def sentences(ranking: Ranking) -> tuple[str, ...]:
             for name in unsure
             if by_name(name).creeps_as
         ]
-    if ranking.foretold and (doubted := sorted(kinds(named) - ranking.called.keys())):
+    if ranking.foretold and (doubted := [one for one in sorted(named) if by_name(one).cause() not in ranking.called]):
         causes, are = " and ".join(map(spoken, doubted)), "is" if len(doubted) == 1 else "are"
         said.append(f"left-out data calls for {causes}, but the evidence does not, so {causes} {are} not certain.")
     return tuple(sentence[0].upper() + sentence[1:] for sentence in said)

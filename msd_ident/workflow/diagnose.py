@@ -9,7 +9,7 @@ from msd_ident.data.record import Record
 from msd_ident.design import proposing
 from msd_ident.diagnosis import Diagnosis, Task, concluded, diagnose_records, same_plant, search
 from msd_ident.errors import UsageError
-from msd_ident.estimate import FitResult, explained
+from msd_ident.estimate import FitResult, explained, opposite_signs
 from msd_ident.estimate.levels import MOST_OF
 from msd_ident.estimate.result import scale_known
 from msd_ident.residuals import impulses
@@ -66,12 +66,16 @@ def diagnose(
     if cut is not None:
         moved, doubts = unstable_motion.beside_their_starts(moved), (*doubts, cut.said)
     explained.check(judged.residuals, moved, holds, doubts, diagnosed=True)
-    progress("next experiment", 0.98, "")
-    diagnosis = proposing(replace(diagnosis, turned=prepared.turned))
+    diagnosis = replace(diagnosis, turned=prepared.turned)
+    unstable = opposite_signs.warning(diagnosis.records) if diagnosis.adequacy.material else ""
+    if not unstable:  # without its controller the rig would not survive another experiment
+        progress("next experiment", 0.98, "")
+        diagnosis = proposing(diagnosis)
     if diagnosis.adequacy.material:
         said = [
             *impulses.sentences(diagnosis.records, diagnosis.extended, diagnosis.noise_floor),
             same_plant.warning(diagnosis.records),
+            unstable,
         ]
         diagnosis = replace(diagnosis, warnings=(*diagnosis.warnings, *filter(None, said)))
     progress("done", 1.0, "")

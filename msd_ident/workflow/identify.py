@@ -15,7 +15,7 @@ import numpy as np
 from msd_ident.data import quality
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.errors import UsageError
-from msd_ident.estimate import FitResult, explained, fit, noise_floor, see
+from msd_ident.estimate import FitResult, explained, fit, noise_floor, opposite_signs, see
 from msd_ident.estimate.base_fits import joint_fit, linear_fit, structure
 from msd_ident.estimate.formulation import Zero
 from msd_ident.features import StandardForm, pool
@@ -229,7 +229,7 @@ def _doubts(joint: FitResult, records: tuple[Record, ...], floor: float) -> tupl
             f"The error of the refined model is {joint.see / floor:.3g} times the noise floor: the model lacks "
             "something; run msd diagnose to name it."
         )
-        said += impulses.sentences(records, joint, floor)
+        said += [*impulses.sentences(records, joint, floor), *filter(None, [opposite_signs.warning(records)])]
     elif (missed := _missed(joint, records)) > STRUCTURE:
         said.append(
             f"The refined model deviates from the readings by {100.0 * missed:.2g} % of the motion, for longer than "
