@@ -163,8 +163,8 @@ class Caveats:
         return min((odds for other, odds in others if among.isdisjoint(kinds(other))), default=math.inf)
 
     def curved_by(self, law: str) -> frozenset[str]:
-        """Further curves, of the spring or of the sensor as a law is, that explain so much beyond the others that the
-        curve has not the law's form.
+        """Further curves, of the spring or of the sensor as a law is, or filters of the force, that explain so much
+        beyond the others that the curve has not the law's form.
 
         Where the set leaves more than noise, a further curve may be an error of the first one's form (``further``). If
         that error is more than ``FORM_PART``, the first law is not this rig's either: two curves come near any third.

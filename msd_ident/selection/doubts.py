@@ -23,10 +23,11 @@ def sentences(ranking: Ranking) -> tuple[str, ...]:
         if name not in unsure:
             continue
         if first := sorted(one for one in named if name in caveats.curved_by(one)):
+            filters = all(by_name(one).filters_force() for one in (name, *first))
+            are, other = ("linear filters of the force", "filter") if filters else ("curves over the position", "curve")
             said.append(
-                f"{spoken(name)} and {' and '.join(map(spoken, first))} are curves over the position, and each "
-                "explains much that the others do not: together they come near any other curve, so none of them is "
-                "certain."
+                f"{spoken(name)} and {' and '.join(map(spoken, first))} are {are}, and each explains much that the "
+                f"others do not: together they come near any other {other}, so none of them is certain."
             )
             continue
         rest = named - {name} or frozenset({COULOMB})  # alone it is compared with its own limit

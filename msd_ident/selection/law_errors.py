@@ -86,7 +86,8 @@ def other_forms(causes: Causes, sets: Mapping[Causes, Hypothesis], noise: float)
     what these explain. A law that holds Coulomb friction as a limit is compared with Coulomb friction in its place too.
 
     Where the set leaves more than noise, each spring beside the one that explains most may be an error of its shape,
-    whatever it explains: two curves over the position come near any third one. So may each curve of the sensor.
+    whatever it explains: two curves over the position come near any third one. So may each curve of the sensor, and
+    each linear filter of the force.
     """
     parts = further_parts(causes, sets)
     found = {
@@ -105,7 +106,7 @@ def other_forms(causes: Causes, sets: Mapping[Causes, Hypothesis], noise: float)
 
 
 def _further_curves(causes: Causes, parts: Mapping[str, float]) -> list[str]:
-    """Curves over the position beside one of their kind that explains more."""
+    """Curves over the position, or filters of the force, beside one of their kind that explains more."""
     order = sorted(causes, key=lambda name: (-parts.get(name, math.inf), name))  # one not worth a fit explains little
     return [
         name for place, name in enumerate(order) if any(by_name(name).bends_as(by_name(one)) for one in order[:place])

@@ -307,13 +307,15 @@ def test_what_is_a_curve_over_the_position_is_a_spring() -> None:
         assert other not in springs, "it knows more than the position, or nothing of it"
 
 
-def test_two_curves_over_the_position_bend_alike_only_both_in_the_spring_or_both_in_the_sensor() -> None:
+def test_two_curves_bend_alike_only_both_in_the_spring_in_the_sensor_or_on_the_way_of_the_force() -> None:
     scales = {name for name in NAMES if by_name(name).is_scale()}
     assert scales >= {"sensor_eccentricity", "eccentricity_harmonic", "sensor_nonlinearity"}
     assert scales.isdisjoint({"sensor_drift", "scale_drift", "settling_sensor", "cubic_spring", "time_offset"})
     pairs = {
         ("cubic_spring", "end_stop"): True, ("sensor_eccentricity", "sensor_nonlinearity"): True,
         ("cubic_spring", "sensor_nonlinearity"): False, ("cubic_spring", "quadratic_drag"): False,
+        ("time_offset", "frame_compliance"): True, ("actuator_lag", "time_offset"): True,
+        ("actuator_lag", "drive_hysteresis"): False, ("time_offset", "sensor_nonlinearity"): False,
     }  # fmt: skip
     for (one, other), alike in pairs.items():
         assert by_name(one).bends_as(by_name(other)) is by_name(other).bends_as(by_name(one)) is alike

@@ -202,9 +202,22 @@ class Law:
         return "x" in given and "t" not in given
 
     @classmethod
+    def filters_force(cls) -> bool:
+        """Whether it is linear and changes how the force gets to the reading: late, slowly, or past the mass."""
+        reading = cls.laws().get("reading")
+        return cls.structure in (LAG, DELAY) or (reading is not None and "u" in arguments(reading))
+
+    @classmethod
     def bends_as(cls, other: type[Law]) -> bool:
-        """Whether both are curves over the position, of the spring or of the sensor: two of them come near a third."""
-        return (cls.is_spring() and other.is_spring()) or (cls.is_scale() and other.is_scale())
+        """Whether both are curves over the position, of the spring or of the sensor, or linear filters of the force:
+        two of them come near a third.
+        """
+        alike = (
+            (cls.is_spring, other.is_spring),
+            (cls.is_scale, other.is_scale),
+            (cls.filters_force, other.filters_force),
+        )
+        return any(one() and two() for one, two in alike)
 
     @classmethod
     def is_spring(cls) -> bool:
