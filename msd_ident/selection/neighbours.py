@@ -76,8 +76,8 @@ class Neighbours:
         """Fitted sets to start from: the best two that lack just one of the causes, or else the largest known part; and
         those that have the limit of one of the laws in its place, e.g. Coulomb friction. A smaller set that leaves far
         more than one of the others is left out. A single cause starts next to the base in any case, and so does a set
-        of up to three with a ripple that a regression shows: there regressions are made. Of more causes beside the base
-        the combinations of guesses are too many.
+        of up to three simple laws with a ripple that a regression shows: there regressions are made. Of more causes
+        beside the base the combinations of guesses are too many, and of a form, which its simple law leads to.
 
         Args:
             causes: of the set.
@@ -90,7 +90,8 @@ class Neighbours:
         smaller.sort(key=lambda fitted: fitted.chi)
         least = min((fitted.chi for fitted in smaller[:1] + (alike if len(causes) > 1 else [])), default=0.0)
         worth = [fitted for fitted in smaller[:2] if fitted.chi < COMPARABLE * least]
-        rippled = causes & self.rippled and worth and worth[0].causes and len(causes) <= _FEW
+        simple = len(causes) <= _FEW and not any(by_name(name).form_of for name in causes)
+        rippled = causes & self.rippled and worth and worth[0].causes and simple
         plain = [known[frozenset()]] if rippled else []
         return worth + plain + alike or [_largest_part(causes, known)]
 
