@@ -53,7 +53,7 @@ def summary(verdict: Verdict, causes: Sequence[Cause], left: Remainders, heldout
         return f"{lead} {_left('With m, b, k', left)} {after}".rstrip()
     them = "it" if len(causes) == 1 else "them"
     said = [
-        f"The model lacks {_named(causes)}{_ties(causes)}.",
+        f"The model {_lacks(causes)}{_ties(causes)}.",
         *_doubts(causes),
         *_readings(causes),
         _left(f"With {them}", left),
@@ -125,6 +125,18 @@ def _part(left: Remainders) -> str:
     """The missing force as a part of another."""
     share = left.extended.force_percent
     return f", {percent(share)} of the {left.yardstick}" if share == share else ""
+
+
+def likely(cause: Cause) -> bool:
+    """Whether it is likelier than not that a cause, or one of those tied with it, acts."""
+    return cause.tied_probability > 0.5
+
+
+def _lacks(causes: Sequence[Cause]) -> str:
+    """What the model lacks, and what it may lack: causes that are likelier than not, and the others."""
+    sure, open_ = [one for one in causes if likely(one)], [one for one in causes if not likely(one)]
+    parts = [f"{verb} {_named(some)}" for verb, some in (("lacks", sure), ("may lack", open_)) if some]
+    return ", and ".join(parts)
 
 
 def _named(causes: Sequence[Cause]) -> str:

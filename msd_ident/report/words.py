@@ -76,7 +76,8 @@ def headline(diagnosis: Diagnosis) -> str:
     if diagnosis.verdict == "ambiguous":
         choices = [listed([effect(c.name), *map(effect, c.tied_with)], "or") for c in diagnosis.causes]
         open_ends = "which" if any(cause.tied_with for cause in diagnosis.causes) else "for certain"
-        return f"The simulation lacks {listed(choices)}: this data cannot tell {open_ends}."
+        lacks = "lacks" if any(map(said.likely, diagnosis.causes)) else "may lack"
+        return f"The simulation {lacks} {listed(choices)}: this data cannot tell {open_ends}."
     if diagnosis.verdict == "mostly_explained":
         rest = f"{percent(diagnosis.left.extended.motion_percent)} of the motion stays unexplained"
         return f"The simulation lacks {listed([effect(name) for name in names])}, and something more: {rest}."

@@ -62,6 +62,10 @@ def test_the_rules_in_their_order(causes: tuple[Cause, ...], remainder: Remainde
         ("ambiguous", [cause(0.6)], left(0.4), ["Whether Coulomb friction acts at all is not certain."]),
         ("ambiguous", [cause(0.6), cause(0.7, (), "bouc_wen")], left(0.4), ["Whether Coulomb friction and Bouc-Wen act "
           "at all is not certain."]),
+        ("ambiguous", [cause(0.4, (), "cogging")], left(0.4), ["The model may lack cogging (probability 40.0 %)."]),
+        ("ambiguous", [cause(0.7), cause(0.4, (), "cogging"), cause(0.3, (), "bouc_wen")], left(0.4), [
+          "The model lacks Coulomb friction (probability 70.0 %), and may lack cogging (probability 40.0 %) and "
+          "Bouc-Wen (probability 30.0 %)."]),
         ("explained", [cause(0.98, (), "relaxing_spring")], left(0.4), ["The relaxing spring may also be a drive that "
           "gives way and lags (a motor's back-EMF behind its inductance, air in a cylinder): no record tells them "
           "apart."]),
