@@ -67,10 +67,11 @@ def forced(records: Sequence[Record]) -> bool:
 
 def _reasons(records: Sequence[Record], diagnosed: bool) -> str:
     """What may be the matter with records that a model does not carry, each with the next step."""
-    law = "the rig may follow another law, as a pendulum does that swings far: msd diagnose looks for it; or "
-    hand = "a hand may have moved the cart: leave that part out with --start or --end"
-    force = (
-        "; or a controller may hold an unstable plant, which no simulation from the first sample follows: cut the "
-        "record there; or the force may be another quantity: check --force"
+    law = "the rig may follow another law, as a pendulum does that swings far: msd diagnose looks for it"
+    force = "the force may be another quantity: check --force"
+    unstable = (
+        "a controller may hold an unstable plant, which no simulation from the first sample follows: cut the record "
+        "there"
     )
-    return f"{'' if diagnosed else law}{hand}{force if forced(records) else ''}"
+    hand = "a hand may have moved the cart: leave that part out with --start or --end"
+    return "; or ".join([*([] if diagnosed else [law]), *([force, unstable] if forced(records) else []), hand])

@@ -41,7 +41,8 @@ class Push:
 
 def pushes(record: Record, model: Model, noise: float, zero: float) -> tuple[Push, ...]:
     """Pushes in a record: short, strong missing forces of a model that explains the rest of it; none if there are many,
-    and none beside a stop.
+    and none beside a stop. What begins or ends with the record is none: the first and the last swing of a model that
+    lacks a law look so, and what pushed the cart before is its initial state.
 
     Args:
         record: the measurement.
@@ -70,7 +71,8 @@ def pushes(record: Record, model: Model, noise: float, zero: float) -> tuple[Pus
             groups.append((begin, end))
     if len(groups) > _MOST or any(found.time[end - 1] - found.time[begin] > MOST_OF * period for begin, end in groups):
         return ()
-    seen = [span for span in groups if _is_seen(record, *span)]
+    whole = unexplained.size
+    seen = [span for span in groups if span[0] > 0 and span[1] < whole and _is_seen(record, *span)]
     return tuple(_push(found.time, unexplained, begin, end) for begin, end in seen)
 
 

@@ -82,3 +82,9 @@ def test_the_record_is_named_where_there_are_several() -> None:
     (unknown,) = sentences([bad], replace(both, initial=both.initial[1:], quantities=open_), NOISE)
     assert " s with an impulse that is in no signal: a bump" in unknown, "without a mass its size is not known"
     assert "or a stop or a limit of the drive that the model lacks" in unknown
+
+
+@pytest.mark.parametrize(("part", "count"), [((0.0, 1.105), 0), ((0.0, 1.6), 1), ((1.105, 3.2), 0), ((1.0, 3.2), 1)])
+def test_what_begins_or_ends_with_the_record_is_no_push(part: tuple[float, float], count: int) -> None:
+    """A pendulum that swings far was "pushed at 0.000 s": the linear model misses its first swing most."""
+    assert len(pushes(bumped((1.1, 0.3)).window(*part), DEMO, NOISE, 0.0)) == count
