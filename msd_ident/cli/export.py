@@ -93,8 +93,9 @@ def export(
     results.check_apart([*written, *filter(None, (json, output.report))], read)
     output.check(*read)
     results.check_targets(output.overwrite, *written)
-    source = source if replay else _as_read(saved, source)
-    paths, why = ((), "--no-replay") if no_replay else _paths(saved, result, replay, source)
+    paths, why = _replayed(saved, result, replay, source, no_replay)
+    if not replay and paths:
+        source = source.beside(saved.read_with)
     records = [record for path in paths for record in read_all(path, source)]
     found = exports.export(saved, chosen, out, settings, records)
     if why and found.proof is None and found.target.library is not None:
@@ -126,30 +127,28 @@ def _places(name: str, result: Path) -> list[Path]:
         return []
 
 
-def _paths(
-    saved: SavedModel, result: Path, replay: Sequence[Path] | None, source: SourceOptions
+def _replayed(
+    saved: SavedModel, result: Path, replay: Sequence[Path] | None, source: SourceOptions, no_replay: bool
 ) -> tuple[Sequence[Path], str]:
     """Records to replay: those given, or those of the result where they are still there; else why there are none."""
     from msd_ident.io import read_all
 
+    if no_replay:
+        return (), "--no-replay"
     if replay:
         return replay, ""
-    whole, *parts = (_places(name, result)[:1] for name in _records(saved))
+    named = [name.rpartition(" run ")[0] or name if "run" in saved.read_with else name for name in _records(saved)]
+    whole, *parts = (_places(name, result)[:1] for name in named)
     own = whole or [place for part in parts for place in part]
     if not whole and (not parts or len(own) < len(parts)):
         return (), f"its own record {saved.path} is not here: give --replay PATH"
-    for path in own:
-        try:
-            for record in read_all(path, source):
+    try:
+        for path in own:
+            for record in read_all(path, source.beside(saved.read_with)):
                 _check(saved, record)
-        except MsdError as error:
-            return (), f"its own record cannot be replayed ({error}): give --replay PATH and how to read it"
+    except MsdError as error:
+        return (), f"its own record cannot be replayed ({error}): give --replay PATH and how to read it"
     return own, ""
-
-
-def _as_read(saved: SavedModel, source: SourceOptions) -> SourceOptions:
-    """How the records of a result were read, but for what is asked of them now."""
-    return source.as_chosen({**saved.read_with, **source.chosen})
 
 
 def _check(saved: SavedModel, record: Record) -> None:

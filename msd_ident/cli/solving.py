@@ -76,7 +76,8 @@ def work(
         if output.tables:
             show(result, console)
         found = result.to_json_dict()
-        line = {"schema": found.pop("schema"), "path": name, "read_with": source.chosen, **found}
+        schema = found.pop("schema")
+        line = {"schema": schema, "path": name, **_reading(schema, source), **found}
         if further is not None:
             used, incomplete = further.use(line, group, kept, console if output.tables else None)
             line, failed = line | used, failed or incomplete
@@ -84,6 +85,13 @@ def work(
     results.write(lines, output)
     pages.write(kept, data.source, output)
     return (2 if failed else 0), [result for _, result in kept]
+
+
+def _reading(schema: str, source: SourceOptions) -> dict[str, Any]:
+    """How the record of a saved model was read: a replay reads it so again."""
+    from msd_ident.workflow.saved_model import SCHEMAS
+
+    return {"read_with": source.chosen} if schema in SCHEMAS else {}
 
 
 def _parts(group: tuple[Path, ...], data: Data) -> list[tuple[tuple[Path, ...], SourceOptions]]:

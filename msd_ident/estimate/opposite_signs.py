@@ -1,9 +1,10 @@
-"""Check whether the force pushes a mass away from a place, which no law of a straight axis does.
+"""Check whether the force may push a mass away from a place, which no spring does.
 
 The regression of the weak form (``estimate.weak_form``) leaves the signs of mass and stiffness open. Of a magnet that a
 controller holds in the air they differ: k·x + m·a with m < 0 < k is an unstable motion under a force whose sign is
 turned. A simulation has no such model, and finds a mass of the wrong sign, a delay that is negative, or something else.
-With m > 0 > k the regression may have found a controller instead, of which nothing is said.
+A force that is recorded late, or filtered, beside much damping gives such signs too. With m > 0 > k the regression may
+have found a controller instead, of which nothing is said.
 """
 
 from __future__ import annotations
@@ -30,9 +31,9 @@ def warning(records: Sequence[Record]) -> str:
             return (
                 f"A regression of the force of {record.name} on its motion gives a mass ({mass:.3g} "
                 f"{record.force_unit}·s²/{record.position_unit}) and a stiffness ({stiffness:.3g} "
-                f"{record.force_unit}/{record.position_unit}) of opposite signs: a controller holds an unstable "
-                "motion, as that of a magnet in the air, which no law of the library makes, or the force is stamped "
-                "late. The fitted values are not those of the rig"
+                f"{record.force_unit}/{record.position_unit}) of opposite signs. Either the force is recorded late, or "
+                "filtered; or its sign is turned, and a controller computes it; or a controller holds an unstable "
+                "motion, as that of a magnet in the air: then the fitted values are not those of the rig"
             )
     return ""
 
@@ -56,7 +57,7 @@ def _signs(record: Record, half: int) -> tuple[float, float] | None:
     if rank < scaled.shape[1] or np.var(left) > TENTH * np.var(means.force):
         return None
     apart = left.size / max(record.samples / (2.0 * half), 1.0)  # bumps in the width of one
-    spread = np.sqrt(np.diag(np.linalg.inv(scaled.T @ scaled)) * np.mean(left**2) * max(apart, 1.0))
+    spread = np.linalg.norm(np.linalg.pinv(scaled), axis=1) * np.sqrt(np.mean(left**2) * max(apart, 1.0))
     mass, _, stiffness = solution[:3] / size[:3]
     sure = np.abs(solution[[0, 2]]) > BEYOND_DOUBT * spread[[0, 2]]
     return (float(mass), float(stiffness)) if np.all(sure) else None

@@ -7,6 +7,7 @@ own ranges.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
@@ -71,6 +72,7 @@ def seen(records: Sequence[Record], plant: Model) -> RecordScales:
         force=force or mass * span * rate**2,
         driven=force > 0.0,
         weakest=_weakest(records),
+        acceleration=max(_acceleration(record) for record in records),
     )
 
 
@@ -79,6 +81,13 @@ def _weakest(records: Sequence[Record]) -> float:
     sizes = np.concatenate([np.abs(record.force_at(record.time)) for record in records])
     acting = sizes[sizes > 0.0]
     return float(np.quantile(acting, TENTH)) if acting.size else 0.0
+
+
+def _acceleration(record: Record) -> float:
+    """√2 times the root mean square of the acceleration [m/s²], from second differences over two samples."""
+    step = 2 * record.period
+    bends = record.position[4:] - 2.0 * record.position[2:-2] + record.position[:-4]
+    return math.sqrt(2.0 * float(np.mean(bends**2))) / step**2
 
 
 def _top_speed(record: Record) -> float:

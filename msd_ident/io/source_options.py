@@ -14,6 +14,14 @@ from msd_ident.io import units
 #: Words for ``SourceOptions.hold``.
 HOLDS = ("auto", "zero", "linear", "band_limited", "centred")
 
+#: Options of which one takes the place of another.
+_RIVALS = (
+    frozenset({"time", "rate", "time_scale"}),
+    frozenset({"force_scale", "force_unit"}),
+    frozenset({"position_scale", "position_unit"}),
+)
+_LARGEST = 1e300
+
 #: Value of ``force`` for a free decay.
 NO_FORCE = "none"
 
@@ -96,23 +104,28 @@ class SourceOptions:
         if not start < end:
             raise UsageError(f"the window from {start:g} s to {end:g} s is empty; expected start before end")
 
-    @classmethod
-    def as_chosen(cls, chosen: Mapping[str, Any]) -> SourceOptions:
-        """The options that ``chosen`` gives, as a result states them.
+    def beside(self, earlier: Mapping[str, Any]) -> SourceOptions:
+        """These options, and those of an earlier reading (``chosen``) that none of these takes the place of.
 
         Raises:
             UsageError: an option that there is none of, or a value of another type.
         """
-        words = {one.name: isinstance(one.default, str) for one in fields(cls)}
-        for name, value in chosen.items():
-            if name not in words or not isinstance(value, str if words[name] else (int, float)):
-                raise UsageError(f"{name} is {value!r}; expected an option of how a record is read, and its value")
-        return cls(**chosen)
+        words = {one.name: isinstance(one.default, str) for one in fields(self)}
+        kept = dict(self.chosen)
+        for name, value in earlier.items():
+            number = isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) < _LARGEST
+            if name not in words or not (isinstance(value, str) if words[name] else number):
+                raise UsageError(f"{name} is {value!r:.40}; expected an option of how a record is read, and its value")
+            rivals = next((group for group in _RIVALS if name in group), frozenset({name}))
+            if rivals.isdisjoint(self.chosen):
+                kept[name] = value
+        return SourceOptions(**kept)
 
     @property
     def chosen(self) -> dict[str, Any]:
-        """The options that are not the default, by name."""
-        return {one.name: value for one in fields(self) if (value := getattr(self, one.name)) != one.default}
+        """The options that are not the default, by name; an open end of the window is none."""
+        found = {one.name: value for one in fields(self) if (value := getattr(self, one.name)) != one.default}
+        return {name: value for name, value in found.items() if isinstance(value, str) or math.isfinite(value)}
 
     @property
     def no_force(self) -> bool:

@@ -21,6 +21,7 @@ class RecordScales:
         duration, period: of the longest record, and between the closest samples [s].
         speed, rate: top speed [m/s], and of the plant's motion [rad/s].
         force: largest force [N].
+        acceleration: amplitude of a sine with as much of it as the readings have, noise included [m/s²].
         weakest: a tenth of the time in which a force acts it is at most this [N].
         driven: whether a force acts: without one the motion has the plant's own frequency alone.
     """
@@ -36,6 +37,7 @@ class RecordScales:
     force: float
     driven: bool = True
     weakest: float = 0.0
+    acceleration: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -72,6 +72,12 @@ class Caveats:
             alike={names.get(name, name): twin for name, twin in self.alike.items()},
         )
 
+    def with_those(self, other: Caveats | None) -> Caveats:
+        """The same, with what another judgement of this set says about all that it leaves, if that is worse."""
+        if other is None:
+            return self
+        return replace(self, exact=self.exact and other.exact, leaves=max(self.leaves, other.leaves))
+
     def greatest(self, law: str, among: frozenset[str] = frozenset(), *, rich: bool, steered: bool) -> float:
         """Greatest probability that a law of the set acts, or one of other causes in its place, if the set is right.
 

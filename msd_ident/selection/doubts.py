@@ -23,7 +23,7 @@ def sentences(ranking: Ranking) -> tuple[str, ...]:
         if name not in unsure:
             continue
         if first := sorted(one for one in named if name in caveats.curved_by(one)):
-            filters = all(by_name(one).filters_force() for one in (name, *first))
+            filters = any(by_name(one).filters_force() for one in first) and by_name(name).filters_force()
             are, other = ("linear filters of the force", "filter") if filters else ("curves over the position", "curve")
             said.append(
                 f"{spoken(name)} and {' and '.join(map(spoken, first))} are {are}, and each explains much that the "

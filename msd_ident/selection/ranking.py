@@ -45,6 +45,7 @@ class Ranking:
             set that has it: friction too weak to be seen is possible on every rig.
         unchecked: whether a poor experiment has no copies that check the leading set (``replication``), or left-out
             data do not confirm it: the odds of a cause are limited (``limit``).
+        far: whether it has none because the leading set leaves far more than noise: no cause is certain.
         foretold: whether the leading set has its place from left-out data, against the evidence (``naming``): no cause
             is certain but those of ``called``.
         called: causes that the evidence alone calls for where left-out data lead, with the probability that it gives
@@ -64,6 +65,7 @@ class Ranking:
     caveats: Mapping[Causes, Caveats] = field(default_factory=dict)
     rubbing: Mapping[Causes, Hypothesis] = field(default_factory=dict)
     unchecked: bool = False
+    far: bool = False
     foretold: bool = False
     called: Mapping[str, float] = field(default_factory=dict)
     rich: bool = False
@@ -103,6 +105,7 @@ class Ranking:
         Both share the probability of the leading set.
         """
         old, new = self.best.causes, law.causes
+        before, known_of = self.caveats_of(old), self.caveats.get(new)
         names = dict(zip(sorted(old - new), sorted(new - old), strict=True))
         rest = [i for i in range(1, len(self.sets)) if self.sets[i].causes != new]
         known = sum(p for p, one in zip(self.probability[1:], self.sets[1:], strict=True) if one.causes == new)
@@ -114,7 +117,7 @@ class Ranking:
             evidence=(*(self.evidence[0] for _ in both), *(self.evidence[i] for i in rest)),
             probability=(share + known, *(share for _ in both[1:]), *(self.probability[i] for i in rest)),
             left={**self.left, **({new: self.left[old]} if old in self.left else {})},
-            caveats={**self.caveats, new: self.caveats_of(old).renamed(names)},
+            caveats={**self.caveats, new: before.renamed(names).with_those(known_of)},
         )
 
     def caveats_of(self, causes: Causes) -> Caveats:
@@ -193,6 +196,8 @@ class Ranking:
         if self.foretold:  # what speaks for a set and what speaks against it are even, unless no error is seen
             return CERTAIN_ODDS if exact else 1.0
         effect = by_name(by_name(name).cause())
+        if self.far:  # no copies could confirm laws that are not the rig's
+            return min(uncertain(effect), CERTAIN_ODDS)
         return CERTAIN_ODDS * usual(effect) if exact else uncertain(effect)
 
     def within(self, nats: float) -> list[Hypothesis]:

@@ -197,7 +197,7 @@ def checked(
     counts = _copies(rows)
     far = ranking.best.chi > FAR * experiment.evidence
     if not asked and (far or cost(experiment, rows, counts) > _CHEAP):
-        return replace(ranking, unchecked=True), None
+        return replace(ranking, unchecked=True, far=far), None
     rows = [row.fitted_from(experiment, ranking.best) for row in rows]
     study = _study(experiment, base, ranking, rows)
     tasks = [(row, number) for row, count in enumerate(counts) for number in range(count)]
@@ -225,10 +225,12 @@ def left_unchecked(ranking: Ranking, matrix: Calibration | None) -> tuple[str, .
     limit = f"odds are at most {_limits(ranking)}"
     if matrix is not None:
         return (f"The copies of this record were made of another explanation, which they did not confirm: {limit}.",)
+    copies = "copies of this record, which take long to simulate, were not made to check the probabilities"
+    if ranking.far:
+        copies = "copies of what leaves far more than noise are not like this record, and were not made"
     return (
-        "One step, a ramp or a release excites little, and copies of this record, which take long to simulate, were "
-        f"not made to check the probabilities: {limit}. --calibrate makes the copies; steps in both directions need "
-        "none.",
+        f"One step, a ramp or a release excites little, and {copies}: {limit}. --calibrate makes the copies; steps in "
+        "both directions need none.",
     )
 
 
@@ -288,14 +290,16 @@ def cost(experiment: Experiment, rows: Sequence[Explanation], counts: Sequence[i
 
 
 def _copies(rows: Sequence[Explanation]) -> list[int]:
-    """Copies of each row: more where few rows lack a cause, which certainty needs, and of a single rival drawn by lot.
+    """Copies of each row: more where few rows lack a cause, which certainty needs, and of a single one drawn by lot.
 
-    Of more such rivals the mean counts (``_against``), which is known from fewer copies of each.
+    Of more such rivals of a cause the mean counts (``calibration._against``), which is known from fewer copies of each.
     """
     counts = [COPIES] * len(rows)
-    drawn = [i for i, row in enumerate(rows) if row.any_strength]
-    if len(drawn) == 1:
-        counts[drawn[0]] = 2 * COPIES
+    for cause in rows[0].causes:
+        kind = by_name(cause).cause()
+        drawn = [i for i, row in enumerate(rows) if row.any_strength and kind not in kinds(row.causes)]
+        if len(drawn) == 1:
+            counts[drawn[0]] = 2 * COPIES
     for cause in sorted(rows[0].causes):
         lacking = [i for i, row in enumerate(rows) if cause not in row.causes]
         for i in lacking:

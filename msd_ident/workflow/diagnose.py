@@ -67,7 +67,7 @@ def diagnose(
         moved, doubts = unstable_motion.beside_their_starts(moved), (*doubts, cut.said)
     explained.check(judged.residuals, moved, holds, doubts, diagnosed=True)
     diagnosis = replace(diagnosis, turned=prepared.turned)
-    unstable = opposite_signs.warning(diagnosis.records) if diagnosis.adequacy.material else ""
+    unstable = opposite_signs.warning(diagnosis.records) if diagnosis.left.exceeds else ""
     if not unstable:  # without its controller the rig would not survive another experiment
         progress("next experiment", 0.98, "")
         diagnosis = proposing(diagnosis)

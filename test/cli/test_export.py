@@ -75,18 +75,42 @@ def test_its_own_record_is_read_as_the_result_was(millimetres: Path) -> None:
     found = run(*whole, millimetres / "rig.py")
     assert found.code == 0, found.err
     assert json.loads(found.out)["replay"]["see_target_m"] == pytest.approx(told["refined"]["see_m"], rel=0.1)
-    other = json.loads(run(*whole, millimetres / "other.py", "--position", "current").out)
-    assert other["replay"] is None or other["replay"]["see_target_m"] > 10.0 * told["refined"]["see_m"]
+    other = json.loads(run(*whole, millimetres / "other.py", "--position", "no such").out)
+    assert other["replay"] is None and "no such" in other["not_replayed"], "what is given counts"
+    metres = json.loads(run(*whole, millimetres / "metres.py", "--position-scale", "0.001").out)
+    assert metres["replay"]["see_target_m"] == pytest.approx(told["refined"]["see_m"], rel=0.1)
 
 
 @pytest.mark.xdist_group("export_cli")
-@pytest.mark.parametrize("wrong", [{"gears": "3"}, {"force": 7}, {"start": "soon"}])
-def test_a_reading_that_is_none_is_refused(wrong: dict[str, object], millimetres: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    "wrong", [{"gears": "3"}, {"force": 7}, {"start": "soon"}, {"rate": True}, {"end": 10**400}, {"end": None}]
+)
+def test_a_reading_that_is_none_is_told_and_the_export_written(
+    wrong: dict[str, object], millimetres: Path, tmp_path: Path
+) -> None:
     told = json.loads((millimetres / "result.json").read_text()) | {"read_with": wrong}
     (tmp_path / "result.json").write_text(json.dumps(told))
-    found = run("export", tmp_path / "result.json", "--to", "python", "--out", tmp_path / "rig.py")
-    assert found.code == 2 and "expected an option of how a record is read, and its value" in found.err
-    assert found.err.count("\n") == 1 and not (tmp_path / "rig.py").exists()
+    (tmp_path / "rig.csv").write_bytes((millimetres / "rig.csv").read_bytes())
+    (tmp_path / "result.json").write_text(json.dumps(told | {"path": "rig.csv"}))
+    found = run("export", tmp_path / "result.json", "--to", "python", "--out", tmp_path / "rig.py", "--json", "-")
+    assert found.code == 0 and (tmp_path / "rig.py").exists(), found.err
+    said = "expected an option of how a record is read, and its value"
+    assert said in json.loads(found.out)["not_replayed"]
+
+
+@pytest.mark.xdist_group("export_cli")
+def test_a_run_of_a_file_is_replayed(rig: Path, tmp_path: Path) -> None:
+    time, force, position = np.loadtxt(rig / "rig.csv", delimiter=",", skiprows=1).T
+    runs = [f"{name} Run #{number}" for number in (1, 2) for name in ("Time (s)", "Force (N)", "Position (m)")]
+    rows = np.column_stack([time, force, 0.5 * position, time, force, position])
+    np.savetxt(tmp_path / "runs.csv", rows, delimiter=",", header=",".join(runs), comments="", fmt="%.9g")
+    made = run("identify", tmp_path / "runs.csv", "--run", "2", "--json", tmp_path / "result.json")
+    assert made.code == 0, made.err
+    found = run("export", tmp_path / "result.json", "--to", "python", "--out", tmp_path / "rig.py", "--json", "-")
+    told = json.loads((tmp_path / "result.json").read_text())
+    assert told["read_with"] == {"run": "2"} and told["path"].endswith("runs.csv run 2")
+    replay = json.loads(found.out)["replay"]
+    assert replay is not None and replay["see_target_m"] == pytest.approx(told["refined"]["see_m"], rel=0.1)
 
 
 @pytest.mark.xdist_group("export_cli")

@@ -34,6 +34,18 @@ def test_what_is_certain_is_not_told_to_be_uncertain(clear: float, said: int) ->
     assert len(doubts.sentences(found)) == said
 
 
+@pytest.mark.parametrize(("pair", "words"), [
+    (("frame_compliance", "time_offset"), "Frame compliance and time offset are linear filters of the force"),
+    (("cubic_spring", "end_stop"), "Cubic spring and end stop are curves over the position"),
+])  # fmt: skip
+def test_of_two_curves_or_two_filters_that_explain_much_none_is_certain(pair: tuple[str, str], words: str) -> None:
+    """A drive of second order had frame compliance with 0.92 beside a delay."""
+    found = replace(ranking({pair: 1.0}), rich=True).with_caveats(frozenset(pair), further={pair[0]: 0.3})
+    assert not any(found.of_cause(name) > CERTAIN + 1e-9 for name in pair)
+    assert any(said.startswith(words) for said in doubts.sentences(found))
+    assert replace(ranking({pair: 1.0}), rich=True).of_cause(pair[1]) == 1.0
+
+
 @pytest.mark.parametrize(("name", "rich", "sure"), [
     ("stiffness_drift", False, CERTAIN), ("settling_stiffness", False, CERTAIN), ("stiffness_drift", True, 1.0),
     ("friction_drift", False, CERTAIN), ("settling_friction", False, CERTAIN), ("settling_friction", True, 1.0),

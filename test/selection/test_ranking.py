@@ -215,6 +215,8 @@ def test_a_law_that_the_data_does_not_tell_from_the_leading_one_takes_its_place(
         assert after.of_cause("force_dead_zone") == pytest.approx(after.of_cause(slope.name))
         assert after.of_cause("force_dead_zone") <= 0.75 + 1e-9, "as sure as the law before it, no more"
         assert after.leader_caveats.further == {"force_dead_zone": 0.1}
+    worse = found.with_caveats(law.causes, leaves=0.16).with_caveats(old.causes, exact=True).with_law(law)
+    assert worse.leader_caveats.leaves == 0.16 and not worse.leader_caveats.exact, "what was known of its set holds on"
     same = fitted(experiment, BASE + rubs + ForceGainNonlinearity(0.0, 5.0), 840.0 * 10.0**2)
     limited = found.with_law(same)
     assert limited.best is same and len(limited.sets) == len(found.sets)

@@ -102,7 +102,9 @@ def test_no_copies_are_made_unasked_of_what_leaves_far_more_than_noise(
             return True
         assert matrix is None and found.unchecked
         (said,) = replication.left_unchecked(found, matrix)
-        assert "--calibrate makes the copies" in said
+        assert "copies of what leaves far more than noise are not like this record" in said
+        assert "odds are at most 9 to 1. --calibrate makes the copies" in said
+        assert found.of_cause("coulomb_friction") <= 0.9 + 1e-9 < ranking.of_cause("coulomb_friction")
         return False
 
     assert checked(True) and checked(False) is made
@@ -120,6 +122,16 @@ def test_of_several_rivals_drawn_by_lot_as_many_copies_each_are_made_as_of_a_fit
     names = ("stribeck_friction", "load_dependent_friction", "hysteresis", "bouc_wen", "smooth_friction")[:drawn]
     rivals = [replication.Explanation(frozenset({name}), None, True) for name in names]
     assert replication._copies([lead, nothing, *rivals]) == counts
+
+
+def test_of_a_single_rival_of_each_of_two_causes_twice_as_many_copies_are_made() -> None:
+    lead = replication.Explanation(frozenset({"quadratic_drag", "cubic_spring"}), None)
+    rivals = [
+        replication.Explanation(frozenset(causes), None, True)
+        for causes in (("hysteresis", "end_stop"), ("cogging", "quadratic_drag"), ("cubic_spring", "cogging"))
+    ]
+    assert replication._copies([lead, *rivals[1:]])[1:] == [18, 18]
+    assert replication._copies([lead, *rivals])[1:] == [9, 9, 9], "two rivals of each cause"
 
 
 def test_what_progress_raises_ends_it() -> None:

@@ -74,8 +74,8 @@ class PeriodicDisturbance(Effect):
 
 
 def largest(seen: RecordScales) -> float:
-    """Largest amplitude [N] of a tone: ten times the force that acts, or that the motion takes."""
-    return 10.0 * max(seen.force, seen.mass * seen.span * seen.rate**2)
+    """Largest amplitude [N] of a tone: ten times the force that acts, or that moves the mass as it is seen to move."""
+    return 10.0 * max(seen.force, seen.mass * max(seen.acceleration, seen.span * seen.rate**2))
 
 
 def tone_or_reading(model: Model) -> str:
