@@ -18,23 +18,7 @@ def sentences(ranking: Ranking) -> tuple[str, ...]:
     """
     named, caveats = ranking.best.causes, ranking.leader_caveats
     unsure = [name for name in sorted(named) if not certain(ranking.of_cause(name))]
-    said = []
-    for name, part in sorted(caveats.further.items()):
-        if name not in unsure:
-            continue
-        if first := sorted(one for one in named if name in caveats.curved_by(one)):
-            filters = any(by_name(one).filters_force() for one in first) and by_name(name).filters_force()
-            are, other = ("linear filters of the force", "filter") if filters else ("curves over the position", "curve")
-            said.append(
-                f"{spoken(name)} and {' and '.join(map(spoken, first))} are {are}, and each explains much that the "
-                f"others do not: together they come near any other {other}, so none of them is certain."
-            )
-            continue
-        rest = named - {name} or frozenset({COULOMB})  # alone it is compared with its own limit
-        said.append(
-            f"{spoken(name)} explains {max(100.0 * part, 1.0):.0f} % of what {_explaining(rest)}: another form of that "
-            "law could do the same, so it is not certain that it is a cause of its own."
-        )
+    said = [_another_form(ranking, name, part) for name, part in sorted(caveats.further.items()) if name in unsure]
     if caveats.leaves:
         said.append(
             f"what is left is {100.0 * caveats.leaves:.0f} % of what {_explaining(named)}: the rig follows "
@@ -73,6 +57,23 @@ def sentences(ranking: Ranking) -> tuple[str, ...]:
         causes, are = " and ".join(map(spoken, doubted)), "is" if len(doubted) == 1 else "are"
         said.append(f"left-out data calls for {causes}, but the evidence does not, so {causes} {are} not certain.")
     return tuple(sentence[0].upper() + sentence[1:] for sentence in said)
+
+
+def _another_form(ranking: Ranking, name: str, part: float) -> str:
+    """Why a cause is not certain that explains little, ``part``, beyond the others, or a curve beside another curve."""
+    named = ranking.best.causes
+    if first := sorted(one for one in named if name in ranking.leader_caveats.curved_by(one)):
+        filters = any(by_name(one).filters_force() for one in first) and by_name(name).filters_force()
+        are, other = ("linear filters of the force", "filter") if filters else ("curves over the position", "curve")
+        return (
+            f"{spoken(name)} and {' and '.join(map(spoken, first))} are {are}, and each explains much that the others "
+            f"do not: together they come near any other {other}, so none of them is certain."
+        )
+    rest = named - {name} or frozenset({COULOMB})  # alone it is compared with its own limit
+    return (
+        f"{spoken(name)} explains {max(100.0 * part, 1.0):.0f} % of what {_explaining(rest)}: another form of that law "
+        "could do the same, so it is not certain that it is a cause of its own."
+    )
 
 
 def _explaining(causes: Causes) -> str:
