@@ -107,14 +107,20 @@ class Caveats:
         In a poor experiment the amplitude falls with time, so that no stiffness and no friction that changes with time
         is certain: it may change with the amplitude. Nor is the stiffness where more than noise is left: a mass that
         changes with time moves nearly alike. Nor is what may be another shape of the other laws, or of the controller's
-        (``steered``), nor what is seen once only, nor a cause of a set that leaves much (``leaves``).
+        (``steered``), nor what is seen once only, nor a cause of a set that leaves much (``leaves``). Nor is a linear
+        filter of the force beside two others: with three of them a set follows a filter of another kind to the noise.
         """
         effect = by_name(law)
         aged = (effect.ages() and not rich) or (effect.ages_spring() and not (rich and self.exact))
         shape = effect.is_shape_beside(by_name(one) for one in self.causes - {law})
         pushed_back = steered and effect.is_spring()
         seen_once = law in self.slow | self.seldom | self.held
-        return aged or shape or pushed_back or seen_once or self.leaves > 0.0
+        return aged or shape or pushed_back or seen_once or law in self.filters() or self.leaves > 0.0
+
+    def filters(self) -> frozenset[str]:
+        """Linear filters of the force in the set, if there are three or more."""
+        found = frozenset(one for one in self.causes if by_name(one).filters_force())
+        return found if len(found) > 2 else frozenset()
 
     def _beside_same_motion(self, law: str, among: frozenset[str], rich: bool) -> float:
         """Greatest odds of a law beside what gives the same motion.

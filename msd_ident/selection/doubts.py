@@ -41,6 +41,11 @@ def sentences(ranking: Ranking) -> tuple[str, ...]:
         for name, other in _near_without(ranking).items()
     ]
     said += [*_slow(ranking, unsure), *_sampled(ranking, unsure), *_aging(ranking, unsure), *_steered(ranking, unsure)]
+    if not caveats.filters().isdisjoint(unsure):
+        said.append(
+            f"{', '.join(map(spoken, sorted(caveats.filters())))} are linear filters of the force: together they come "
+            "near any other filter, so none of them is certain."
+        )
     if ranking.balanced and unsure:
         said.append(
             "a controller holds an unstable motion, and what disturbs the rig moves its force too, which friction also "

@@ -8,8 +8,10 @@ from typing import Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from likelihoods import ranking
 
 from msd_ident.model.effects import LIBRARY
+from msd_ident.selection import doubts
 from msd_ident.selection.caveats import Caveats
 from msd_ident.selection.certainty import CERTAIN
 
@@ -28,6 +30,17 @@ MORE: dict[str, Any] = {
 def test_without_a_caveat_every_law_can_be_certain() -> None:
     clean = Caveats(PAIR, exact=True)
     assert {clean.greatest(law, rich=True, steered=False) for law in PAIR} == {1.0}
+
+
+def test_of_three_linear_filters_of_the_force_none_is_certain() -> None:
+    """A load cell that lags by 60 ms was a lag, a delay and, with 0.95, a frame that gives way."""
+    three = frozenset({"actuator_lag", "frame_compliance", "time_offset"})
+    for causes, sure in ((three, False), (three - {"actuator_lag"}, True), (three - {"time_offset"} | PAIR, True)):
+        found = Caveats(causes, exact=True).greatest("frame_compliance", rich=True, steered=False)
+        assert (found > CERTAIN + 1e-12) is sure
+        told = doubts.sentences(replace(ranking({tuple(causes): 1.0}), rich=True).with_caveats(causes, exact=True))
+        assert any("frame compliance, time offset are linear filters of the force" in one for one in told) is not sure
+    assert Caveats(three | PAIR, exact=True).greatest("quadratic_drag", rich=True, steered=False) == 1.0
 
 
 @pytest.mark.parametrize("name", sorted(MORE))
