@@ -108,11 +108,8 @@ def export(
 
 
 def _own(saved: SavedModel, result: Path) -> list[Path]:
-    """Places where the records of a result are, as the result names them or beside the result; none where there are
-    none. A name may end with that of a run, ``log.csv run 2``.
-    """
-    names = [name for record in _records(saved) for name in (record, record.rpartition(" run ")[0])]
-    return [place for name in names for place in _places(name, result)]
+    """Places where the records of a result are; none where there are none."""
+    return [place for name in _records(saved) for place in _places(name, result)]
 
 
 def _records(saved: SavedModel) -> list[str]:
@@ -120,9 +117,13 @@ def _records(saved: SavedModel) -> list[str]:
     return [saved.path, *saved.path.split(" + ")] if " + " in saved.path else [saved.path]
 
 
-def _places(name: str, result: Path) -> list[Path]:
+def _places(record: str, result: Path) -> list[Path]:
+    """Where a record is: as the result names it or beside the result, without the name of a run (``log.csv run 2``)
+    where there is one.
+    """
+    names = [name for name in (record, record.rpartition(" run ")[0]) if name]
     try:
-        return [place for place in (Path(name), result.parent / name) if name and place.exists()]
+        return [place for name in names for place in (Path(name), result.parent / name) if place.exists()]
     except OSError:  # a path that is too long for the disk
         return []
 
@@ -137,8 +138,7 @@ def _replayed(
         return (), "--no-replay"
     if replay:
         return replay, ""
-    named = [name.rpartition(" run ")[0] or name if "run" in saved.read_with else name for name in _records(saved)]
-    whole, *parts = (_places(name, result)[:1] for name in named)
+    whole, *parts = (_places(name, result)[:1] for name in _records(saved))
     own = whole or [place for part in parts for place in part]
     if not whole and (not parts or len(own) < len(parts)):
         return (), f"its own record {saved.path} is not here: give --replay PATH"
