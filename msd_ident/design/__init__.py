@@ -14,7 +14,15 @@ from msd_ident.design.profile import Profile, Segment
 from msd_ident.design.profile_file import read_profile, write_profile
 
 if TYPE_CHECKING:
-    from msd_ident.design.proposal import Proposal, check, check_predictable, default_limits, design, proposing
+    from msd_ident.design.proposal import (
+        Proposal,
+        check,
+        check_predictable,
+        default_limits,
+        design,
+        proposing,
+        signs_doubt,
+    )
 
 __all__ = [
     "Limits",
@@ -26,6 +34,7 @@ __all__ = [
     "default_limits",
     "design",
     "proposing",
+    "signs_doubt",
     "read_limits",
     "read_profile",
     "write_profile",

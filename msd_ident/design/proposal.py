@@ -23,6 +23,7 @@ from msd_ident.design.rival_refits import Refitted
 from msd_ident.design.rivals import names, rivals, shares
 from msd_ident.diagnosis import Diagnosis
 from msd_ident.errors import UsageError
+from msd_ident.estimate import opposite_signs
 from msd_ident.estimate.levels import ALIKE
 from msd_ident.estimate.result import scale_known
 
@@ -138,16 +139,30 @@ def proposing(diagnosis: Diagnosis) -> Diagnosis:
 
 
 def check_predictable(diagnosis: Diagnosis) -> None:
-    """Refuse records that do not show how far a force moves the rig: no motion can be predicted from them.
+    """Refuse records that do not show how far a force moves the rig, or whose fitted values may be of another one.
 
     Raises:
-        UsageError: mass, damping and stiffness of the diagnosed model are all open.
+        UsageError: mass, damping and stiffness of the diagnosed model are all open, or a regression gives mass and
+            stiffness of opposite signs (``signs_doubt``).
     """
     if not scale_known(diagnosis.extended.quantities):
         raise UsageError(
             "these records do not show how far a force moves the rig, so no experiment can be designed; expected a "
             "record whose motion the force makes: push harder or longer, or cut it with --start and --end"
         )
+    if said := signs_doubt(diagnosis):
+        raise UsageError(
+            f"no experiment can be designed from these records: {said[0].lower()}{said[1:]}; expected a record of a "
+            "stable rig with the force that acts on it"
+        )
+
+
+def signs_doubt(diagnosis: Diagnosis) -> str:
+    """A sentence where mass and stiffness have opposite signs and more than the tolerance is left, else an empty one.
+
+    Without its controller such a rig might not survive an experiment.
+    """
+    return opposite_signs.warning(diagnosis.records) if diagnosis.left.exceeds else ""
 
 
 def default_limits(diagnosis: Diagnosis) -> Limits:

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from msd_ident.data.record import Record
-from msd_ident.design import proposing
+from msd_ident.design import proposing, signs_doubt
 from msd_ident.diagnosis import Diagnosis, Task, concluded, diagnose_records, same_plant, search
 from msd_ident.errors import UsageError
-from msd_ident.estimate import FitResult, explained, opposite_signs
+from msd_ident.estimate import FitResult, explained
 from msd_ident.estimate.levels import MOST_OF
 from msd_ident.estimate.result import scale_known
 from msd_ident.residuals import impulses
@@ -67,15 +67,13 @@ def diagnose(
         moved, doubts = unstable_motion.beside_their_starts(moved), (*doubts, cut.said)
     explained.check(judged.residuals, moved, holds, doubts, diagnosed=True)
     diagnosis = replace(diagnosis, turned=prepared.turned)
-    unstable = opposite_signs.warning(diagnosis.records) if diagnosis.left.exceeds else ""
-    if not unstable:  # without its controller the rig would not survive another experiment
-        progress("next experiment", 0.98, "")
-        diagnosis = proposing(diagnosis)
+    progress("next experiment", 0.98, "")
+    diagnosis = proposing(diagnosis)
     if diagnosis.adequacy.material:
         said = [
             *impulses.sentences(diagnosis.records, diagnosis.extended, diagnosis.noise_floor),
             same_plant.warning(diagnosis.records),
-            unstable,
+            signs_doubt(diagnosis),
         ]
         diagnosis = replace(diagnosis, warnings=(*diagnosis.warnings, *filter(None, said)))
     progress("done", 1.0, "")

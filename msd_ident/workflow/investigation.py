@@ -9,7 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from msd_ident.data.record import Record
-from msd_ident.design import Limits, Profile, Proposal, Segment, check, design
+from msd_ident.design import Limits, Profile, Proposal, Segment, check, design, signs_doubt
 from msd_ident.diagnosis import Diagnosis, same_plant
 from msd_ident.errors import DataError, UsageError
 from msd_ident.model.base_model import OFFSET
@@ -202,6 +202,8 @@ class Loop:
         spent += profile.duration
         for _ in range(self.budget.runs):
             looked = self.checked
+            if said := signs_doubt(self.steps[-1].diagnosis):
+                return self._ended(False, f"no further experiment was designed. {said}")
             proposal, purpose = self._next()
             if proposal is None:
                 return self._ended(self._settled, _STANDS if self._settled else _NOTHING)

@@ -20,6 +20,7 @@ from msd_ident.design import (
     default_limits,
     design,
     proposing,
+    signs_doubt,
 )
 from msd_ident.design import proposal as proposals
 from msd_ident.design.discrimination import Discrimination
@@ -28,6 +29,7 @@ from msd_ident.design.prediction import Grid
 from msd_ident.design.proposal import _closest_pair, _hardest, _sentence
 from msd_ident.design.rival_refits import Refitted
 from msd_ident.errors import UsageError
+from msd_ident.estimate import opposite_signs
 from msd_ident.workflow import pipeline
 
 pytestmark = pytest.mark.xdist_group("bent gain")
@@ -116,6 +118,24 @@ def test_nothing_is_proposed_where_no_record_shows_what_a_force_does(
     assert proposing(blind) is blind
     with pytest.raises(UsageError, match="do not show how far a force moves the rig, .* push harder or longer"):
         check_predictable(blind)
+
+
+def test_nothing_is_designed_where_mass_and_stiffness_have_opposite_signs(
+    proposal: Proposal, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A magnet in the air: the fitted values are not those of the rig, and no controller holds it in an experiment."""
+    told = stepped("", "", 0.0)
+    left = replace(told.left, extended=replace(told.left.extended, seen=True, motion_percent=5.0))
+    tied = replace(told, verdict="ambiguous", left=left)
+    monkeypatch.setattr(proposals, "design", lambda diagnosis, limits: proposal)
+    monkeypatch.setattr(opposite_signs, "warning", lambda records: "A regression gives opposite signs")
+    assert signs_doubt(tied) and proposing(tied) is tied
+    with pytest.raises(
+        UsageError, match="no experiment can be designed .*: a regression .* signs; expected a record of"
+    ):
+        check_predictable(tied)
+    held = replace(tied, left=replace(left, tolerance_percent=10.0))
+    assert signs_doubt(held) == "" and proposing(held).next_experiment is not None, "what is left is tolerated"
 
 
 def parted(chi: list[list[float]], decided: list[float]) -> Option:

@@ -151,6 +151,17 @@ def test_a_gentle_step_that_was_stopped_ends_it() -> None:
     assert rig.runs == 1
 
 
+def test_it_ends_where_a_force_may_push_the_mass_away(
+    asking_about: Callable[..., None], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asking_about("coulomb_friction", "force_offset")
+    monkeypatch.setattr(investigation, "signs_doubt", lambda diagnosis: "A regression gives opposite signs")
+    rig = Rig(coulomb_friction={"coulomb_force": 1.0})
+    found = Loop(rig, LIMITS, Budget(2, 60.0)).run(STEP)
+    assert rig.runs == len(found.steps) == 1 and not found.stands
+    assert found.sentence.startswith("no further experiment was designed. A regression gives opposite signs: ")
+
+
 def pushed(force: float) -> tuple[Profile, Limits]:
     """One step of 2.7 s, and limits around it."""
     first = Profile((Segment("hold", 0.3), Segment("step", 2.7, force=force)), "one step")
