@@ -90,14 +90,34 @@ def describe(
         None if only initial states and zeros take part, which are of no interest to the user.
     """
     change = direction * reference
-    own = np.where(values != 0.0, np.abs(values), reference)
-    shares = [(name, float(change[i])) for i, name in enumerate(names) if abs(change[i]) >= NEGLIGIBLE * own[i]]
+    shares = _shares(change, names, values, reference)
     physical = [name for name, _ in shares if " of " not in name]
     if not physical:
         return None
     zeros = [name for name, _ in shares if name.startswith("zero of")]
     common = _common_factor(change, values, names)
     return OpenDirection(tuple(shares), _sentence(physical, zeros, common, forced))
+
+
+def _shares(
+    change: FloatArray, names: tuple[str, ...], values: FloatArray, reference: FloatArray
+) -> list[tuple[str, float]]:
+    """Parameters that take part in a change (p,), and by how much each does."""
+    own = np.where(values != 0.0, np.abs(values), reference)
+    return [(name, float(change[i])) for i, name in enumerate(names) if abs(change[i]) >= NEGLIGIBLE * own[i]]
+
+
+def exchanged(
+    direction: FloatArray, names: tuple[str, ...], values: FloatArray, reference: FloatArray
+) -> frozenset[str]:
+    """Parameters that others can stand in for along an open direction: those that take part in it, without the forces
+    where it changes all of these by one factor, so that none of them can vanish beside the others.
+
+    Arguments are those of ``describe``.
+    """
+    change = direction * reference
+    found = frozenset(name for name, _ in _shares(change, names, values, reference))
+    return found - FORCES if _scales_forces(change, values, names) is not None else found
 
 
 def motionless(names: tuple[str, ...]) -> OpenDirection:
@@ -135,16 +155,22 @@ def _of(name: str) -> Parameter:
 
 
 def _common_factor(change: FloatArray, values: FloatArray, names: tuple[str, ...]) -> bool:
-    """Whether the direction scales all forces by one factor."""
-    forces = np.array([name in FORCES for name in names])
-    known = forces & (values != 0.0)
-    if np.count_nonzero(known) < 2:
+    """Whether the direction scales all forces by one factor and changes nothing else."""
+    middle = _scales_forces(change, values, names)
+    if middle is None:
         return False
+    others = [i for i, name in enumerate(names) if name not in FORCES and " of " not in name]
+    return all(abs(change[i]) <= 0.05 * abs(middle * values[i]) or values[i] == 0.0 for i in others)
+
+
+def _scales_forces(change: FloatArray, values: FloatArray, names: tuple[str, ...]) -> float | None:
+    """The one factor by which the direction changes all forces; None where it does not."""
+    known = np.array([name in FORCES for name in names]) & (values != 0.0)
+    if np.count_nonzero(known) < 2:
+        return None
     factor = change[known] / values[known]
     middle = float(np.median(factor))
-    others = [i for i, name in enumerate(names) if not forces[i] and " of " not in name]
-    still = all(abs(change[i]) <= 0.05 * abs(middle * values[i]) or values[i] == 0.0 for i in others)
-    return still and middle != 0.0 and bool(np.all(np.abs(factor / middle - 1.0) < 0.1))
+    return middle if middle != 0.0 and bool(np.all(np.abs(factor / middle - 1.0) < 0.1)) else None
 
 
 def loose(names: tuple[str, ...], values: FloatArray, std: FloatArray, reference: FloatArray) -> list[OpenDirection]:

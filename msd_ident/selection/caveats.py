@@ -37,6 +37,8 @@ class Caveats:
             is on, or off, may do the same, so they are not certain.
         sampled: causes that explain no more than twice what the force may do between its samples: each is at most as
             likely as that.
+        open: causes whose strength the data leaves open (``undetermined``): other numbers of the model can take their
+            place, so each is as likely not to act.
         alike: laws, each with a law of another cause that gives the same motion in its place (``equal_motion``): each
             is as likely as the other.
     """
@@ -51,6 +53,7 @@ class Caveats:
     seldom: frozenset[str] = frozenset()
     held: frozenset[str] = frozenset()
     sampled: frozenset[str] = frozenset()
+    open: frozenset[str] = frozenset()
     alike: Mapping[str, str] = field(default_factory=dict)
 
     def renamed(self, names: Mapping[str, str]) -> Caveats:
@@ -69,6 +72,7 @@ class Caveats:
             seldom=new(self.seldom),
             held=new(self.held),
             sampled=new(self.sampled),
+            open=new(self.open),
             alike={names.get(name, name): twin for name, twin in self.alike.items()},
         )
 
@@ -126,16 +130,16 @@ class Caveats:
         """Greatest odds of a law beside what gives the same motion.
 
         A law of another cause (``alike``) is as likely, or more by what it is likelier before any data. As likely is
-        what the force may do between its samples (``sampled``), another shape of a drift in the place of a law that is
-        slower than the record beside it, and, in a poor experiment, another shape of a drift of the sensor in the place
-        of a law that creeps beside one.
+        what the force may do between its samples (``sampled``), what can take the place of a law whose strength is open
+        (``open``), another shape of a drift in the place of a law that is slower than the record beside it, and, in a
+        poor experiment, another shape of a drift of the sensor in the place of a law that creeps beside one.
         """
         odds, settles = math.inf, by_name(law).creeps_as
         if settles and not rich and by_name(settles).cause() not in among:
             odds = 1.0 if by_name(settles).cause() in kinds(self.causes - {law}) else CERTAIN_ODDS
         if (twin := self.alike.get(law)) and by_name(twin).cause() not in among:
             odds = min(odds, self._prior_beside_same_motion(law))
-        if law in self.sampled or self._drifts_beside_a_drift(law):
+        if law in self.sampled | self.open or self._drifts_beside_a_drift(law):
             odds = min(odds, 1.0)
         return odds
 

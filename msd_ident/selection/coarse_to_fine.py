@@ -22,6 +22,7 @@ from msd_ident.selection.hypothesis import Hypothesis
 from msd_ident.selection.hypothesis_fit import FAR, REACH, refine
 from msd_ident.selection.ranking import LEADERS, NEAR, Ranking
 from msd_ident.selection.structure_search import Remembered, Search
+from msd_ident.selection.undetermined import undetermined
 
 
 def search(
@@ -70,11 +71,18 @@ def search(
 
 
 def _told(ranking: Ranking, experiment: Experiment, *before: tuple[Ranking, Experiment]) -> Ranking:
-    """The ranking with what every set leaves, and with laws that move like one of a set's."""
+    """The ranking with what every set leaves, and with laws that move like one of a set's; of those near the first
+    one, with laws whose strength is open.
+    """
     scale = scale_from(ranking.sets, experiment.readings)
     sets = {one.causes: one for one in ranking.sets}
+    near = {one.causes for one in ranking.within(NEAR)}
     for causes, one in sets.items():
-        ranking = ranking.with_caveats(causes, alike=equal_motion(one, sets, experiment, scale))
+        ranking = ranking.with_caveats(
+            causes,
+            alike=equal_motion(one, sets, experiment, scale),
+            open=undetermined(one) if causes in near else frozenset(),
+        )
     return noted(ranking, experiment, *before)
 
 

@@ -40,6 +40,12 @@ def sentences(ranking: Ranking) -> tuple[str, ...]:
         f"little more than what is named that {spoken(name)} is not certain."
         for name, other in _near_without(ranking).items()
     ]
+    said += [
+        f"this data leaves open how strong {spoken(name)} is, because other numbers of the model can take its place: "
+        "it is as likely that it does not act."
+        for name in unsure
+        if name in caveats.open
+    ]
     said += [*_slow(ranking, unsure), *_sampled(ranking, unsure), *_aging(ranking, unsure), *_steered(ranking, unsure)]
     if not caveats.filters().isdisjoint(unsure):
         said.append(

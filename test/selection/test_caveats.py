@@ -22,6 +22,7 @@ ODDS = st.floats(0.0, 1e6)
 MORE: dict[str, Any] = {
     "leaves": 0.2, "slow": frozenset({"quadratic_drag"}), "seldom": frozenset({"quadratic_drag"}),
     "held": frozenset({"quadratic_drag"}), "sampled": frozenset({"quadratic_drag"}),
+    "open": frozenset({"quadratic_drag"}),
     "alike": {"quadratic_drag": "cogging"}, "clear": {"quadratic_drag": 4.0}, "further": {"quadratic_drag": 0.1},
     "instead": {"quadratic_drag": {frozenset({"cogging"}): 4.0}},
 }  # fmt: skip
