@@ -11,6 +11,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import partial
+from operator import is_
 
 from msd_ident.estimate.effort import KEPT, LOOK
 from msd_ident.estimate.levels import MOST_OF
@@ -42,10 +43,12 @@ class Search(FittedSets):
     Attributes:
         pruned: leading sets whose simpler sets were fitted again already.
         followed: sets that were fitted through observers already.
+        regressed: the sets with whose values the last regression was made.
     """
 
     pruned: set[Causes] = field(default_factory=set)
     followed: set[Causes] = field(default_factory=set)
+    regressed: tuple[Hypothesis, ...] = ()
 
     def run(self, base: Hypothesis, known: Sequence[Hypothesis] = (), remembered: Sequence[Remembered] = ()) -> Ranking:
         """Search from the base model.
@@ -105,10 +108,14 @@ class Search(FittedSets):
         """Fit sets that a regression of the equation of motion calls for: each cause may explain nothing by itself.
 
         Returns:
-            Whether one of them may leave less than all fitted sets.
+            Whether one of them may leave less than all fitted sets. False where nothing changed since the last time.
         """
-        base, leader, least = self.sets[NOTHING], self._leader(), self._least.chi
-        new = likely(self.experiment, base, self._fronts(leader))
+        base, least = self.sets[NOTHING], self._least.chi
+        known = (base, *self._fronts(self._leader()))
+        if len(known) == len(self.regressed) and all(map(is_, known, self.regressed)):
+            return False
+        self.regressed = known
+        new = likely(self.experiment, base, known[1:])
         starts = [starting_points.from_values(self.experiment, one.model, one.initial, base.chi) for one in new]
         ahead = [start for start in starts if start.promise < least]
         self.tried.update(start.fitted.causes for start in ahead)

@@ -174,12 +174,11 @@ class Equation:
         shares = np.linalg.lstsq(gram[np.ix_(inside, inside)], gram[inside], rcond=NULL)[0]
         beside, beyond = gram - gram[:, inside] @ shares, right - shares.T @ right[inside]
         names = frozenset(start.effect.name for start in chosen)
+        sizes = np.diag(beside).tolist()
         gains = []
         for i, start in enumerate(self.starts):
-            own = list(start.places)
-            block = beside[np.ix_(own, own)]
-            if start.effect.name not in names and float(np.min(np.diag(block))) > NULL:
-                gains.append((float(beyond[own] @ np.linalg.lstsq(block, beyond[own], rcond=NULL)[0]), i))
+            if start.effect.name not in names and min(sizes[place] for place in start.places) > NULL:
+                gains.append((_gain(beside, beyond, start.places), i))
         kept = 0
         for _, i in sorted(gains, reverse=True):
             larger = (*chosen, self.starts[i])
@@ -214,6 +213,14 @@ class Equation:
             for one, shift in zip(self.base.initial, shifts.tolist(), strict=True)
         )
         return Regressed(replace(plant, effects=effects), initial, left)
+
+
+def _gain(gram: FloatArray, right: FloatArray, own: Sequence[int]) -> float:
+    """What columns take away of the sum of squares, by their products with each other and with the right-hand side."""
+    if len(own) == 1:  # nearly all: a call of the solver takes ten times as long
+        return float(right[own[0]] ** 2 / gram[own[0], own[0]])
+    places = list(own)
+    return float(right[places] @ np.linalg.lstsq(gram[np.ix_(places, places)], right[places], rcond=NULL)[0])
 
 
 def _sizes(columns: FloatArray) -> FloatArray:
