@@ -151,11 +151,13 @@ def _decided_again(decision: Decision, found: Diagnosis) -> Decision | None:
 
 
 def _does_without(free: FitResult, sprung: FitResult) -> bool:
-    """Whether a model without a spring does what one with a spring does, and has no other law that stores energy
-    over the place: with a spring, gravity or a curve is one explanation among others; without, it would be certain.
+    """Whether a model without a spring does what one with a spring does, and has no other law that moves the mass: one
+    that stores energy over the place, or a disturbance that the other model does without. With a spring such a law is
+    one explanation among others; without, it would be certain.
     """
-    stores = any(effect.stores_only() for effect in free.model.effects)
-    return not stores and free.see < sprung.see / MOST_OF
+    effects = free.model.effects
+    moved = any(one.stores_only() or (one.tones() and not sprung.model.has(one.name)) for one in effects)
+    return not moved and free.see < sprung.see / MOST_OF
 
 
 def _task(prepared: Prepared, options: Options, decision: Decision) -> Task:

@@ -17,11 +17,13 @@ from msd_ident.data.quality import check
 from msd_ident.data.record import Record, from_samples
 from msd_ident.estimate import fit
 from msd_ident.io import SourceOptions, read
-from msd_ident.model import Plant, simulate
+from msd_ident.model import Effect, Plant, simulate
 from msd_ident.model.effects.gravity import Gravity
+from msd_ident.model.effects.periodic_disturbance import PeriodicDisturbance
 from msd_ident.quantity import Quantity
 from msd_ident.residuals.unexplained import Remainder, Remainders
 from msd_ident.workflow import pipeline, spring_decision
+from msd_ident.workflow.diagnose import _does_without
 from msd_ident.workflow.identification import Identification
 from msd_ident.workflow.preparation import prepare, typical_plant
 from msd_sim import api, lottery
@@ -306,3 +308,24 @@ def test_a_spring_that_may_be_the_missing_force_is_not_assumed(
             "it would carry 0.098 V rms, and a force of 0.045 to 0.11 V rms was still missing. If there is one, use "
             "--model spring."
         )
+
+
+@pytest.mark.parametrize(
+    ("law", "less", "beside", "without"),
+    [
+        (None, 0.9, False, True),
+        (None, 2.5, False, False),
+        (PeriodicDisturbance(1.0, 2.0, 0.1), 0.9, False, False),
+        (PeriodicDisturbance(1.0, 2.0, 0.1), 0.9, True, True),
+        (Gravity(2.0), 0.1, False, False),
+    ],
+    ids=["nothing", "a large error", "a tone", "a tone beside the spring too", "gravity"],
+)
+def test_a_spring_is_not_given_up_for_a_law_that_moves_the_mass(
+    law: Effect | None, less: float, beside: bool, without: bool
+) -> None:
+    """An arm whose servo is switched off falls by itself: without a spring nothing but a tone was left to move it."""
+    free, sprung = Plant(1.0, 2.0, 0.0), Plant(1.0, 2.0, 10.0)
+    models = (free if law is None else free + law), (sprung + law if beside and law is not None else sprung)
+    results = [SimpleNamespace(model=model, see=see) for model, see in zip(models, (less, 1.0), strict=True)]
+    assert _does_without(cast(Any, results[0]), cast(Any, results[1])) is without
