@@ -21,7 +21,7 @@ from msd_ident.estimate.levels import NEGLIGIBLE
 from msd_ident.parallel import each
 from msd_ident.selection.candidate_models import CandidateModel
 from msd_ident.selection.excitation import poor
-from msd_ident.selection.ranking import DECISIVE
+from msd_ident.selection.ranking import DECISIVE, LEADERS
 
 #: Probability of a decision that is as good as certain: of the profiles that have it, the shortest is taken.
 ENOUGH = float(expit(DECISIVE))
@@ -36,8 +36,6 @@ class Option:
         grid: instants of the predictions.
         predictions: of each rival.
         parting: how well the profile distinguishes the rivals.
-        travel: least and greatest reading from the start [m].
-        peak_speed: [m/s].
         shares: (r, r) part of the chi² of a linear refit that a real refit leaves; 1 where no real refit was made.
     """
 
@@ -45,8 +43,6 @@ class Option:
     grid: Grid
     predictions: tuple[Prediction, ...]
     parting: Discrimination
-    travel: tuple[float, float]
-    peak_speed: float
     shares: FloatArray
 
     @property
@@ -107,8 +103,9 @@ class Question:
         return tuple(one.contender for one in self.predictors)
 
     def work(self, profile: Profile) -> float:
-        """Readings that must be simulated to predict a profile by every rival, with its Jacobian."""
-        rows = sum(1 + len(one.places) + NUISANCES for one in self.predictors) + len(self.cautions)
+        """Readings that must be simulated to predict a profile by every rival, with its Jacobian and its draws."""
+        rows = sum(1 + len(one.places) + NUISANCES for one in self.predictors)
+        rows += (1 + LEADERS) * (len(self.predictors) + len(self.cautions))
         return float(rows * instants(profile, self.period, self.sensing))
 
 
@@ -193,8 +190,7 @@ def judge(question: Question, profile: Profile) -> Option:
     predictions = tuple(one.predict(on.record) for one in question.predictors)
     parting = discrimination.discriminate(question.predictors, predictions, on, question.sensing)
     parting = parting.asked(question.truths)
-    low, high, speed = safety.extremes(question.predictors, predictions)
-    return Option(profile, on, predictions, parting, (low, high), speed, np.ones_like(parting.chi))
+    return Option(profile, on, predictions, parting, np.ones_like(parting.chi))
 
 
 def judge_again(question: Question, option: Option, kept: FloatArray) -> Option:

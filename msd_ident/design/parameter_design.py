@@ -16,7 +16,7 @@ import numpy as np
 
 from msd_ident import seeds
 from msd_ident.data.record import FloatArray
-from msd_ident.design import discrimination
+from msd_ident.design import discrimination, safety
 from msd_ident.design.evaluation import Option, Question, family_of, options
 from msd_ident.design.hidden_effects import beside
 from msd_ident.design.library import levels
@@ -104,8 +104,9 @@ def sharpen(diagnosis: Diagnosis, targets: Sequence[str], limits: Limits) -> Sha
     values = dict(zip(targets, _values(predictor, predictor.point, targets), strict=True))
     now = _half(targets, _std(predictor, predictor.precision, targets))
     after, beside_step, beside_random = (_half(targets, one) for one in (stds, step, random))
+    low, high, speed = safety.extremes(question.predictors, best.grid.record)
     return Sharpened(
-        best.profile, values, now, after, beside_step, beside_random, best.travel, best.peak_speed,
+        best.profile, values, now, after, beside_step, beside_random, (low, high), speed,
         _sentence(best, values, (now, after, beside_step)),
     )  # fmt: skip
 

@@ -17,6 +17,7 @@ from msd_ident.estimate.effort import A_SWING, FEWEST_READINGS, SAMPLES
 from msd_ident.estimate.problem import Initial
 from msd_ident.model import Simulator
 from msd_ident.selection.candidate_models import CandidateModel
+from msd_ident.selection.ranking import LEADERS
 from msd_ident.tuning import fixed, tuned
 
 NUISANCES = fixed(
@@ -133,12 +134,6 @@ class Prediction:
     speed: FloatArray
     jacobian: FloatArray
 
-    def span(self, draws: FloatArray) -> tuple[float, float]:
-        """Least and greatest reading [m] from the start, with two standard deviations of parameter draws (s, p)."""
-        spread = 2.0 * np.sqrt(np.mean((draws @ self.jacobian[:-NUISANCES]) ** 2, axis=0))
-        start = float(self.position[0])
-        return float(np.min(self.position - spread)) - start, float(np.max(self.position + spread)) - start
-
 
 @dataclass(frozen=True, eq=False)
 class Predictor:
@@ -223,6 +218,13 @@ class Predictor:
         """Readings (n,) [m] at the fitted values."""
         start = np.array([[self.start.position, self.start.zero]])
         return np.asarray(self.readings(on, self.point[None, :], start)[0])
+
+    def drawn(self, on: Record) -> FloatArray:
+        """Readings (1 + LEADERS, n) [m] at the fitted values, and at the first few draws within their bounds."""
+        owned = [self.contender.model.parameters[i] for i in self.places]
+        points = np.clip(self.point + self.draws[:LEADERS], [one.lower for one in owned], [one.upper for one in owned])
+        start = np.array([[self.start.position, self.start.zero]])
+        return self.readings(on, np.vstack([self.point, points]), np.repeat(start, 1 + LEADERS, axis=0))
 
     def linearised(
         self, on: Record, point: FloatArray, start: FloatArray, velocity: float = 0.0

@@ -10,7 +10,7 @@ import numpy as np
 
 from msd_ident.data.record import FloatArray
 from msd_ident.design import deciding_measurements as measurements
-from msd_ident.design import profile_search
+from msd_ident.design import profile_search, safety
 from msd_ident.design.evaluation import Option, Question, exciting, family_of
 from msd_ident.design.hidden_effects import hidden
 from msd_ident.design.library import why
@@ -195,15 +195,17 @@ def _proposed(question: Question, diagnosis: Diagnosis, called: Sequence[str], v
     hardest = _hardest(
         option, (called[pair[0]], called[pair[1]]), left, (question.sensing.noise, diagnosis.adequacy.ratio)
     )
-    sentence = _sentence(option, called, verb, hardest, (unit, length))
+    low, high, speed = safety.extremes(question.predictors, option.grid.record)
+    moved = _moved((low, high), speed, length)
+    sentence = f"{_sentence(option, called, verb, unit)} {hardest} {moved}"
     looked = sorted(found.all, key=lambda one: -one.probability)
     return Proposal(
         profile=option.profile,
         names=tuple(called),
         probability=option.probability,
         decided=option.parting.decided,
-        travel=option.travel,
-        peak_speed=option.peak_speed,
+        travel=(low, high),
+        peak_speed=speed,
         time=option.grid.record.time,
         predictions=np.stack([one.position for one in option.predictions]),
         difference=left.difference,
@@ -263,11 +265,11 @@ def _hardest(option: Option, pair: tuple[str, str], left: Refitted, floors: tupl
     )
 
 
-def _sentence(option: Option, called: Sequence[str], verb: str, hardest: str, units: tuple[str, str]) -> str:
-    """What to do and why, in words; ``units`` of force and position."""
+def _sentence(option: Option, called: Sequence[str], verb: str, unit: str) -> str:
+    """What to do and why, in words; ``unit`` of the force."""
     profile = option.profile
     low, high = profile.extremes
-    force = f"with {low:.3g} to {high:.3g} {units[0]}" if low < high else "without force"
+    force = f"with {low:.3g} to {high:.3g} {unit}" if low < high else "without force"
     what = "tell" if verb == "parts" else "show"
     aim = " or ".join(called) if verb == "parts" else ", ".join(called[1:])
     promise = f"It should {what} {aim} with probability {option.probability:.2f}."
@@ -276,11 +278,15 @@ def _sentence(option: Option, called: Sequence[str], verb: str, hardest: str, un
             f"No profile within the limits is likely to {what} {aim}; this one does with probability "
             f"{option.probability:.2f}."
         )
+    return f"Play {profile.name!r} for {profile.duration:.1f} s {force}: {why(profile.name)}. {promise}"
+
+
+def _moved(travel: tuple[float, float], speed: float, unit: str) -> str:
+    """How far the rig will move, and how fast, in words; ``unit`` of the position."""
+    moves = "joint will turn" if unit == "rad" else "cart will move"
     return (
-        f"Play {profile.name!r} for {profile.duration:.1f} s {force}: {why(profile.name)}. {promise} {hardest} "
-        "The cart will move "
-        f"{option.travel[0]:.3g} to {option.travel[1]:.3g} {units[1]} from its start, at {option.peak_speed:.3g} "
-        f"{units[1]}/s at most, whichever of them is true."
+        f"The {moves} {travel[0]:.3g} to {travel[1]:.3g} {unit} from its start, at {speed:.3g} {unit}/s at most, "
+        "whichever of them is true."
     )
 
 

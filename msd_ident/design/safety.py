@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from msd_ident.data.record import Record
+from msd_ident.data.record import FloatArray, Record
 from msd_ident.design.limits import Limits
-from msd_ident.design.prediction import Prediction, Predictor, Sensing, grid
+from msd_ident.design.prediction import Predictor, Sensing, grid
 from msd_ident.design.profile import Profile
 from msd_ident.estimate.levels import BEYOND_DOUBT, MOST_OF, NATURAL_RANGE
 from msd_ident.estimate.parameter_units import in_force_unit
@@ -49,22 +49,35 @@ def worst_case_actuator(lead: CandidateModel, records: Sequence[Record]) -> Cand
     return replace(lead, model=weaker + limit.limited(float(forces.max()) / _STRONGER))
 
 
-def extremes(predictors: Sequence[Predictor], predictions: Sequence[Prediction]) -> tuple[float, float, float]:
-    """Least and greatest reading from the start [m] and greatest speed [m/s] over all rivals.
+def extremes(predictors: Sequence[Predictor], on: Record) -> tuple[float, float, float]:
+    """Least and greatest reading from the start [m] and greatest speed [m/s] over all rivals and what the data leaves
+    of their parameters (``Predictor.drawn``).
 
     Args:
         predictors: the rivals.
-        predictions: of each.
+        on: record with the profile's force.
     """
-    spans = [p.span(one.draws) for one, p in zip(predictors, predictions, strict=True)]
-    speed = max(float(np.max(p.speed)) for p in predictions)
-    return min(low for low, _ in spans), max(high for _, high in spans), speed
+    reached = [_reached(one.drawn(on), on) for one in predictors]
+    return min(low for low, _, _ in reached), max(high for _, high, _ in reached), max(fast for _, _, fast in reached)
+
+
+def _reached(positions: FloatArray, on: Record) -> tuple[float, float, float]:
+    """Least and greatest reading from the start [m] and greatest speed [m/s] of motions (q, n)."""
+    away = positions - positions[:, :1]
+    return float(away.min()), float(away.max()), float(np.max(np.abs(np.gradient(positions, on.time, axis=1))))
+
+
+def _room(positions: FloatArray, on: Record, limits: Limits) -> float:
+    """Factor by which motions (q, n) may still grow before one of them leaves the limits."""
+    low, high, speed = _reached(positions, on)
+    return min(limits.room(low, high), limits.speed / max(speed, 1e-300))
 
 
 def fitted_in(
     profile: Profile, predictors: Sequence[Predictor], limits: Limits, period: float, seen: Sensing
 ) -> Profile | None:
-    """A profile of unit force, scaled up as far as the limits allow under every rival.
+    """A profile of unit force, scaled up as far as the limits allow under every rival, whatever the data leaves of its
+    parameters.
 
     Args:
         profile: of unit force.
@@ -79,20 +92,16 @@ def fitted_in(
     room = limits.force_room(*profile.extremes)
     if not np.isfinite(room):  # no force at all: worth playing where some rival moves by itself
         rest = grid(profile, period, seen).record
-        moves = any(float(np.ptp(one.positions(rest))) > BEYOND_DOUBT * seen.noise for one in predictors)
-        return profile if moves else None
+        moved = [one.drawn(rest) for one in predictors]
+        moves = any(float(np.ptp(positions[0])) > BEYOND_DOUBT * seen.noise for positions in moved)
+        return profile if moves and all(_room(positions, rest, limits) >= 1.0 for positions in moved) else None
     factor = min(room, limits.reach)  # what is small on purpose stays small
     while factor >= 1.0 / NATURAL_RANGE * limits.reach:  # it falls by a fiftieth each time, or more
         strong = profile.scaled(factor)
-        on = grid(strong, period, seen)
-        room = np.inf
-        for one in predictors:
-            position = one.positions(on.record)
-            start = position[0]
-            speed = float(np.max(np.abs(np.gradient(position, on.record.time))))
-            room = min(room, limits.room(float(position.min() - start), float(position.max() - start)))
-            room = min(room, limits.speed / max(speed, 1e-300))
-        room *= MARGIN
+        on = grid(strong, period, seen).record
+        room = MARGIN * min(_room(one.positions(on)[None, :], on, limits) for one in predictors)
+        if room >= 1.0:  # whatever the parameters are that the data leaves
+            room = min(_room(one.drawn(on), on, limits) for one in predictors)
         if room >= 1.0:
             return strong
         factor *= 0.98 * room

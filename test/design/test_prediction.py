@@ -89,12 +89,12 @@ def test_draws_scatter_as_the_data_leaves_it_but_not_beyond_a_straight_line(know
         np.testing.assert_allclose(one.draws.std(axis=0) / one.point, known, rtol=0.35)
 
 
-def test_the_span_holds_the_motion_and_grows_with_what_is_unknown() -> None:
+def test_the_drawn_motions_hold_the_fitted_one_and_spread_with_what_is_unknown() -> None:
     on = grid(STEP, PERIOD, SEEN).record
-    spans = []
+    spreads = []
     for known in (1e-6, 0.05):
-        one = predictor(known)
-        spans.append(one.predict(on).span(one.draws))
-    moved = predictor().positions(on)
-    assert spans[0] == pytest.approx((moved.min() - moved[0], moved.max() - moved[0]), abs=1e-6)
-    assert spans[1][0] <= spans[0][0] and spans[1][1] > 1.02 * spans[0][1]
+        rows = predictor(known).drawn(on)
+        np.testing.assert_array_equal(rows[0], predictor(known).positions(on))
+        np.testing.assert_array_equal(rows[1:, 0], rows[0, 0])
+        spreads.append(float(np.max(np.std(rows, axis=0))) / float(np.ptp(rows[0])))
+    assert spreads[0] < 1e-5 and 0.01 < spreads[1] < 0.1

@@ -39,7 +39,8 @@ def test_a_search_ends_with_the_first_profiles_that_decide() -> None:
     assert 0 < len(result.all) <= LEADERS, "the rest is not looked at"
     good = [one.profile.duration for one in result.all if one.probability >= ENOUGH]
     assert result.best.profile.duration == min(good)
-    low, high = result.best.travel
+    position = result.best.predictions[0].position
+    low, high = float(position.min() - position[0]), float(position.max() - position[0])
     assert LIMITS.travel[0] <= low < high <= LIMITS.travel[1]
     LIMITS.check(result.best.profile)
 

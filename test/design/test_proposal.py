@@ -26,7 +26,7 @@ from msd_ident.design import proposal as proposals
 from msd_ident.design.discrimination import Discrimination
 from msd_ident.design.evaluation import Option
 from msd_ident.design.prediction import Grid
-from msd_ident.design.proposal import _closest_pair, _hardest, _sentence
+from msd_ident.design.proposal import _closest_pair, _hardest, _moved, _sentence
 from msd_ident.design.rival_refits import Refitted
 from msd_ident.errors import UsageError
 from msd_ident.estimate import opposite_signs
@@ -142,9 +142,7 @@ def parted(chi: list[list[float]], decided: list[float]) -> Option:
     """An option of which nothing else is asked."""
     on = Grid(Record(np.arange(20.0), np.zeros(20), np.zeros(1), np.zeros(1)), 1.0)
     parting = Discrimination(np.array(chi), np.array(decided), float(np.mean(decided)))
-    return Option(
-        Profile((Segment("step", 2.0, force=8.0),), "one step"), on, (), parting, (0.0, 0.01), 0.1, np.ones(2)
-    )
+    return Option(Profile((Segment("step", 2.0, force=8.0),), "one step"), on, (), parting, np.ones(2))
 
 
 def test_the_hardest_pair_is_seen_with_the_richer_law_true() -> None:
@@ -163,6 +161,8 @@ def test_a_measurement_that_cannot_tell_promises_nothing() -> None:
         (0.2, "is likely to tell A or B;"),
     ):
         option = parted([[0.0, 9.0], [9.0, 0.0]], [probability, probability])
-        said = _sentence(option, ("A", "B"), "parts", _hardest(option, ("A", "B"), left, (1e-5, 50.0)), ("N", "m"))
+        said = _sentence(option, ("A", "B"), "parts", "N")
         assert words in said and ("It should" in said) == (probability > 0.5)
-        assert "they differ by up to 200 noise levels (the model leaves 50), at 1.0 s." in said
+        hardest = _hardest(option, ("A", "B"), left, (1e-5, 50.0))
+        assert "they differ by up to 200 noise levels (the model leaves 50), at 1.0 s." in hardest
+    assert _moved((-1.0, 2.0), 3.0, "rad").startswith("The joint will turn -1 to 2 rad from its start, at 3 rad/s at")

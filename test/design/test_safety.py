@@ -3,20 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from designrigs import ECP, LIMITS, STEP, Rig
+from designrigs import ECP, LIMITS, SEEN, STEP, Rig, explanation
 
 from msd_ident.data.record import Record
-from msd_ident.design import Limits
+from msd_ident.design import Limits, Profile, Segment
 from msd_ident.design.evaluation import Question, family_of, options
-from msd_ident.design.prediction import sensing
-from msd_ident.design.safety import worst_case_actuator
+from msd_ident.design.prediction import Predictor, sensing
+from msd_ident.design.safety import extremes, fitted_in, worst_case_actuator
 from msd_ident.diagnosis import Diagnosis
+from msd_ident.estimate.problem import Initial
+from msd_ident.model import Plant
 from msd_ident.workflow import pipeline
 
 LARGEST = max(map(abs, STEP.extremes))
+#: A rig whose stiffness is known to a fifth: how far a force moves it is not known better.
+SOFT = Plant(0.94, 3.9, 694.0)
 
 
 def parts(rig: Rig, found: Diagnosis, limits: Limits, records: Sequence[Record]) -> Iterator[float]:
@@ -38,6 +43,30 @@ def test_an_actuator_that_was_at_its_limit_is_stronger_below_and_the_travel_is_k
     limits = Limits((-LARGEST, LARGEST), (-0.016, 0.016), 6.0)
     assert any(part > 1.05 for part in parts(rig, found, limits, ()))
     assert all(part <= 1.0 for part in parts(rig, found, limits, found.records))
+
+
+@pytest.mark.parametrize("known", [0.001, 0.2])
+def test_the_limits_hold_for_all_that_the_data_leaves_of_the_parameters(known: float) -> None:
+    """Five of nine proposals on public records left the travel that they were designed for, by up to six times."""
+    limits = Limits((-10.0, 10.0), (-0.008, 0.008), 6.0, 0.12)
+    question = Question.of([explanation(SOFT, known=known)], (1.0,), SEEN, limits)
+    offered = options(question, family_of(question))
+    assert len(offered) > 8
+    nominal = []
+    for one in offered:
+        low, high, speed = extremes(question.predictors, one.grid.record)
+        assert -0.008 <= low <= high <= 0.008 and speed <= 0.12
+        nominal.append(float(np.max(np.abs(one.predictions[0].position))) / 0.008)
+    assert max(nominal) > 0.5 and (known < 0.1 or max(nominal) < 0.79), "what is not known costs amplitude"
+
+
+@pytest.mark.parametrize(("travel", "fits"), [(0.02, True), (0.005, False)])
+def test_a_release_without_a_force_stays_within_the_travel_too(travel: float, fits: bool) -> None:
+    limits = Limits((-10.0, 10.0), (-travel, travel), 6.0)
+    aside = replace(explanation(SOFT), initial=(Initial(0.01),))
+    rest = Profile((Segment("hold", 2.0),), "rest")
+    found = fitted_in(rest, (Predictor(aside, 1e-4),), limits, 0.23, SEEN)
+    assert (found is rest) is fits
 
 
 def test_smaller_forces_that_were_measured_need_no_caution() -> None:
