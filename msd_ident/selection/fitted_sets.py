@@ -22,7 +22,7 @@ from msd_ident.selection import starting_points
 from msd_ident.selection.evidence import NoiseScale, scale_from
 from msd_ident.selection.experiment import SOUGHT, Experiment
 from msd_ident.selection.hypothesis import HOLDING_COULOMB, Causes, Hypothesis, causes_that_fit
-from msd_ident.selection.hypothesis_fit import REACH, StartingPoint, begin, finish, refine, refine_near
+from msd_ident.selection.hypothesis_fit import COMPARABLE, REACH, StartingPoint, begin, finish, refine, refine_near
 from msd_ident.selection.neighbours import Neighbours, rubs_and_is_linear, with_coulomb
 from msd_ident.selection.ordering import leading, rank
 from msd_ident.selection.ranking import Ranking
@@ -113,6 +113,17 @@ class FittedSets:
         for causes, model in equal_to(fitted).items():
             if causes in self.sets and fitted.chi < MOST_OF * self.sets[causes].chi:
                 self._keep(refine(self.experiment, causes, model, fitted.initial))
+        self._look_below(fitted)
+
+    def _look_below(self, fitted: Hypothesis) -> None:
+        """Fit sets again that lack one of a set's causes, from there, where that start leaves less than half of what
+        they do: they ended in a wrong minimum, as over many swings a law does that changes their period.
+        """
+        for name in sorted(fitted.causes):
+            known = self.sets.get(fitted.causes - {name})
+            if known is not None and known.causes and known.chi > COMPARABLE * fitted.chi:
+                model = fitted.model.without(name)
+                self._look_again(known.causes, model, fitted.initial, MOST_OF * known.chi)
 
     def _larger_that_leave_more(self, fitted: Hypothesis) -> Iterable[Causes]:
         """Larger sets that were begun, or dropped, before this one was found to leave so little.

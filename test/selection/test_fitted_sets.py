@@ -55,6 +55,19 @@ def test_a_set_whose_further_effect_ends_without_strength_is_a_fit_of_the_set_wi
     assert search.sets[wrong.causes].chi < 0.1 * wrong.chi
 
 
+@pytest.mark.parametrize("drag", [2.0, 2000.0])
+def test_a_set_in_a_wrong_minimum_is_fitted_again_from_one_with_a_cause_more(drag: float) -> None:
+    """Over 60 swings gravity ended in one that left more than no cause, and beside friction in the right one."""
+    experiment = rubbing()
+    wrong = stood(experiment, BASE + CoulombFriction(2.0))
+    search = FittedSets(experiment, lambda fitted: True, lambda stage, part, cause: None)
+    search.sets = {one.causes: one for one in (stood(experiment, BASE), wrong)}
+    search._keep(stood(experiment, BASE + CoulombFriction(0.03 * 9.81) + QuadraticDrag(1e-3 * drag)))
+    found = search.sets[wrong.causes]
+    assert found.chi < 0.1 * wrong.chi and np.isclose(found.model["coulomb_force"], 0.03 * 9.81, rtol=0.01)
+    assert search.sets[frozenset()].chi == stood(experiment, BASE).chi, "the base model has its own fit"
+
+
 def test_sets_that_were_not_worth_it_are_looked_at_again_beside_one_that_leaves_half() -> None:
     """Their starts promised little from the sets that were known then."""
     data = steps()
