@@ -83,12 +83,12 @@ def concluded(task: Task, found: Searched, progress: Progress = silent) -> Diagn
     said = _warned(task, choice, shown) + verdict.spread_sentence(moved) + fits[1].open_directions
     if not scale_known(fits[1].quantities):
         said += fits[0].open_directions or (intervals.NO_SCALE,)
-    after = " ".join(filter(None, (dependence.sentence(still), _unnamed(ranking, best))))
+    unnamed = _unnamed(ranking, best, scale)
     return Diagnosis(
         records=task.records,
         findings=task.findings,
         verdict=decision,
-        summary=verdict.summary(decision, causes, lacks, choice.heldout, after),
+        summary=verdict.summary(decision, causes, lacks, choice.heldout, dependence.sentence(still), unnamed),
         causes=causes,
         base=fits[0],
         extended=fits[1],
@@ -121,9 +121,9 @@ def _warned(task: Task, choice: Choice, shown: Hypothesis) -> tuple[str, ...]:
     return said + doubts.sentences(choice.ranking) + replication.left_unchecked(choice.ranking, choice.matrix)
 
 
-def _unnamed(ranking: Ranking, best: Hypothesis) -> str:
-    """Why another explanation than the named one is not named, in a sentence or none."""
-    return verdict.unpredicted(best.causes, ranking.best.causes, naming.leaving_less(ranking))
+def _unnamed(ranking: Ranking, best: Hypothesis, scale: NoiseScale) -> str:
+    """Why other explanations than the named one are not named, in a sentence or none."""
+    return verdict.unpredicted(best.causes, ranking.best.causes, naming.leaving_less(ranking, scale.most))
 
 
 def _beside(

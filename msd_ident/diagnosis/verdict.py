@@ -34,7 +34,9 @@ def decide(causes: Sequence[Cause], left: Remainders) -> Verdict:
     return "mostly_explained" if left.exceeds else "explained"
 
 
-def summary(verdict: Verdict, causes: Sequence[Cause], left: Remainders, heldout: HeldOut, after: str) -> str:
+def summary(
+    verdict: Verdict, causes: Sequence[Cause], left: Remainders, heldout: HeldOut, after: str, unnamed: str = ""
+) -> str:
     """The verdict in sentences.
 
     Args:
@@ -43,14 +45,18 @@ def summary(verdict: Verdict, causes: Sequence[Cause], left: Remainders, heldout
         left: missing force and unexplained motion of base and extended model.
         heldout: prediction of left-out data.
         after: what follows on what is left: the signals that the remaining force depends on.
+        unnamed: why explanations are not named that leave much less (``unpredicted``).
     """
     if verdict == "adequate":
         return f"Mass, damping and stiffness are enough. {_left('With them', left)}"
     if verdict == "unexplained":
-        lead = "Something is missing that no cause of the library explains."
-        if left.extended.motion_percent < left.noise_percent:
-            lead = "What is left is less than the noise but not noise alone, and no cause of the library explains it."
-        return f"{lead} {_left('With m, b, k', left)} {after}".rstrip()
+        faint = left.extended.motion_percent < left.noise_percent
+        lead = "What is left is less than the noise but not noise alone, and" if faint else "Something is missing"
+        if unnamed:
+            lead += " this record does not show what it is." if faint else ", and this record does not show what it is."
+        else:
+            lead += " no cause of the library explains it." if faint else " that no cause of the library explains."
+        return " ".join(filter(None, (lead, _left("With m, b, k", left), after, unnamed)))
     them = "it" if len(causes) == 1 else "them"
     said = [
         f"The model {_lacks(causes)}{_ties(causes)}.",
@@ -68,23 +74,31 @@ def summary(verdict: Verdict, causes: Sequence[Cause], left: Remainders, heldout
     return " ".join(said)
 
 
-def unpredicted(named: Causes, leading: Causes, leaving_less: Causes) -> str:
-    """Why an explanation is not named that leads or leaves much less, a sentence; empty if it is, or if none does.
+def unpredicted(named: Causes, leading: Causes, leaving_less: Sequence[Causes]) -> str:
+    """Why explanations are not named that lead or leave much less, a sentence; empty if one is, or if none does.
 
     Args:
         named: causes that are named.
         leading: those of the set that leads the ranking.
-        leaving_less: those of the likeliest set that leaves less than half of the error; none if no set does.
+        leaving_less: those of sets that leave less than half of the error, the likeliest first.
     """
     if named or not (leading or leaving_less):
         return ""
-    them = " and ".join(spoken(name) for name in sorted(leading or leaving_less))
     if leading:
-        return f"The leading explanation, {them}, is not named: it predicts left-out data no better than m, b, k."
-    return (
-        f"The likeliest set that leaves less than half of the error, {them}, is not named: the data does not call for "
-        "all its numbers."
-    )
+        return (
+            f"The leading explanation, {_together(leading)}, is not named: it predicts left-out data no better than "
+            "m, b, k."
+        )
+    few = "would leave less than half of the error above the noise"
+    if len(leaving_less) == 1:
+        them = _together(leaving_less[0])
+        return f"{them[0].upper()}{them[1:]} {few}, but is not named: the evidence does not call for all its numbers."
+    them = "; ".join(map(_together, leaving_less))
+    return f"Each of these {few}: {them}. None is named: the evidence does not call for all its numbers."
+
+
+def _together(causes: Causes) -> str:
+    return " and ".join(spoken(name) for name in sorted(causes))
 
 
 def force(left: Remainder, unit: str) -> str:

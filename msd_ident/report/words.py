@@ -72,7 +72,7 @@ def headline(diagnosis: Diagnosis) -> str:
             return f"The simulation is adequate: with a mass, a damper and a spring the error is {rest}."
         return "The simulation is adequate: a mass, a damper and a spring explain the readings to within the noise."
     if diagnosis.verdict == "unexplained":
-        return "The simulation lacks something that no cause of the library explains."
+        return "The simulation lacks something, and this data does not show a cause of the library that it could be."
     if diagnosis.verdict == "ambiguous":
         choices = [listed([effect(c.name), *map(effect, c.tied_with)], "or") for c in diagnosis.causes]
         open_ends = "which" if any(cause.tied_with for cause in diagnosis.causes) else "for certain"

@@ -144,9 +144,20 @@ def _plainest(ranking: Ranking) -> Hypothesis:
     return min(parts, key=lambda one: len(one.causes))
 
 
-def leaving_less(ranking: Ranking) -> Causes:
-    """Causes of the likeliest set that leaves less than half of the error of the leading one; none if no set does."""
-    return next((one.causes for one in _with_less(ranking)), frozenset())
+def leaving_less(ranking: Ranking, noise: float) -> list[Causes]:
+    """Causes of the likeliest sets that leave less than half of what the leading one leaves above the noise, ``KEPT``
+    at most, none of them with all causes of another.
+
+    Args:
+        ranking: sets by evidence, the leading one first.
+        noise: chi² that noise alone leaves.
+    """
+    most = noise + MOST_OF**2 * max(ranking.best.chi - noise, 0.0)
+    found: list[Causes] = []
+    for one in ranking.sets:
+        if one.chi < most and not any(causes <= one.causes for causes in found):
+            found.append(one.causes)
+    return found[:KEPT]
 
 
 def _with_less(ranking: Ranking) -> list[Hypothesis]:

@@ -86,6 +86,16 @@ def test_a_leading_explanation_that_is_not_named_is_said_with_the_reason() -> No
     said = verdict.unpredicted(frozenset(), frozenset({"coulomb_friction", "bouc_wen"}), frozenset())
     assert said.startswith("The leading explanation, Bouc-Wen and Coulomb friction, is not named: it predicts left-out")
     named = frozenset({"cogging"})
-    assert verdict.unpredicted(named, named, named) == verdict.unpredicted(*[frozenset()] * 3) == ""
-    said = verdict.unpredicted(frozenset(), frozenset(), frozenset({"two_tone_disturbance"}))
-    assert "leaves less than half of the error, two tone disturbance, is not named: the data does not call" in said
+    assert verdict.unpredicted(named, named, [named]) == verdict.unpredicted(frozenset(), frozenset(), []) == ""
+    said = verdict.unpredicted(frozenset(), frozenset(), [frozenset({"two_tone_disturbance"})])
+    assert said.startswith("Two tone disturbance would leave less than half of the error above the noise, but is")
+    said = verdict.unpredicted(frozenset(), frozenset(), [frozenset({"cogging"}), frozenset({"bouc_wen", "gravity"})])
+    assert "above the noise: cogging; Bouc-Wen and gravity. None is named: the evidence does not call" in said
+
+
+@pytest.mark.parametrize(("percent", "lead"), [(4.0, "Something is missing, and"), (0.04, "not noise alone, and")])
+def test_it_is_not_said_that_no_cause_explains_what_some_would(percent: float, lead: str) -> None:
+    """A mass on a spring (public record) leaves 1.5 noise floors, and 1.05 with a spring that stiffens."""
+    said = verdict.summary("unexplained", [], left(percent), GAIN, "", "COGGING WOULD")
+    assert f"{lead} this record does not show what it is." in said and said.endswith("COGGING WOULD")
+    assert "no cause of the library explains" not in said

@@ -196,5 +196,18 @@ def test_the_likeliest_set_that_leaves_much_less_is_known_though_it_does_not_lea
     """A sharp law may lose to no law by its numbers, but that little is left of it is said."""
     left = ((), 8.0), (("cogging",), 1.9), (("quadratic_drag",), 1.0)
     sets = tuple(cast(Hypothesis, Set(frozenset(causes), chi)) for causes, chi in left)
-    assert naming.leaving_less(Ranking(sets, (-30.0, -40.0, -45.0), (1.0, 0.0, 0.0))) == {"cogging"}
-    assert naming.leaving_less(Ranking(sets[1:], (-40.0, -45.0), (1.0, 0.0))) == frozenset()
+    given = Ranking(sets, (-30.0, -40.0, -45.0), (1.0, 0.0, 0.0))
+    assert naming.leaving_less(given, 0.5) == [{"cogging"}, {"quadratic_drag"}]
+    assert naming.leaving_less(given, 0.0) == [{"cogging"}, {"quadratic_drag"}]
+    assert naming.leaving_less(Ranking(sets[1:], (-40.0, -45.0), (1.0, 0.0)), 0.0) == []
+
+
+def test_what_is_left_is_counted_above_the_noise() -> None:
+    """A law that leaves hardly more than noise takes most of the error away, though half of the chi² is left."""
+    left = ((), 2.1), (("cubic_spring",), 1.1), (("cubic_spring", "quadratic_drag"), 1.0), (("gravity",), 1.3)
+    sets = tuple(cast(Hypothesis, Set(frozenset(causes), chi)) for causes, chi in left)
+    given = Ranking(sets, (-30.0, -34.0, -40.0, -41.0), (1.0, 0.0, 0.0, 0.0))
+    assert naming.leaving_less(given, 1.0) == [{"cubic_spring"}], (
+        "not a set with more than that, nor one that leaves a third"
+    )
+    assert naming.leaving_less(given, 0.0) == []
