@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -33,9 +34,16 @@ def noise(memory: float, seed: int = 1, samples: int = SAMPLES) -> FloatArray:
 
 
 def found_in(*residuals: FloatArray) -> NoiseSpectrum:
-    found = estimate(residuals, [readings(one.size) for one in residuals])
+    """The noise in residuals of readings that hold it; ``readings`` tells its size."""
+    found = estimate(residuals, [containing(one) for one in residuals])
     assert found is not None
     return found
+
+
+def containing(residual: FloatArray, size: float = 1e-5) -> Readings:
+    """Readings with this in them, in units of what they tell of their noise."""
+    told = readings(residual.size, size)
+    return replace(told, record=replace(told.record, position=MOTION[: residual.size] + size * residual))
 
 
 @given(st.floats(0.1, 30.0), st.integers(0, 2**31))
@@ -98,3 +106,13 @@ def test_rounding_alone_is_noise_of_its_own_size() -> None:
 def test_a_motion_that_is_sampled_slowly_leaves_no_band_for_the_noise() -> None:
     record = Record(TIME, np.sin(2.0 * np.pi * 100.0 * TIME), TIME[:1], np.zeros(1))
     assert estimate([noise(0.0)], [of_record(record, 1e-3)]) is None
+
+
+@pytest.mark.parametrize("memory", [0.0, 5.0, 20.0])
+def test_noise_is_no_larger_than_the_readings_have_it(memory: float) -> None:
+    """A pendulum with free turns (public record) had noise of 44 times what its readings show: the model's error."""
+    left, told = noise(memory), containing(0.02 * noise(memory, 2))
+    found = estimate([left], [told])
+    assert found is not None and found.growth < 0.1, "slow noise changes little from sample to sample: it may be more"
+    honest = estimate([left], [containing(left)])
+    assert honest is not None and honest.growth == pytest.approx(1.0, rel=0.1)

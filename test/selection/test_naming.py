@@ -211,3 +211,5 @@ def test_what_is_left_is_counted_above_the_noise() -> None:
         "not a set with more than that, nor one that leaves a third"
     )
     assert naming.leaving_less(given, 0.0) == []
+    assert naming.leaving_less(given, 2.2) == [], "where only noise is left, nothing takes half of the rest away"
+    assert naming.leaving_less(replace(given, sets=sets[:1]), 3.0) == [], "the base model is no explanation"
