@@ -152,10 +152,10 @@ def leaving_less(ranking: Ranking, noise: float) -> list[Causes]:
         ranking: sets by evidence, the leading one first.
         noise: chi² that noise alone leaves.
     """
-    most = noise + MOST_OF**2 * (ranking.best.chi - noise)
+    most = noise + MOST_OF**2 * (ranking.best.chi - noise) if ranking.best.chi > noise else 0.0
     found: list[Causes] = []
     for one in ranking.sets:
-        if one.causes and one.chi < min(most, ranking.best.chi) and not any(causes <= one.causes for causes in found):
+        if one.causes and one.chi < most and not any(causes <= one.causes for causes in found):
             found.append(one.causes)
     return found[:KEPT]
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import partial
 
 import pytest
@@ -55,8 +56,11 @@ def test_rivals_are_measured_in_the_noise_that_the_models_are_measured_in() -> N
     """Where a residual shows four times the noise of the readings at rest, that is the floor of the other sets too."""
     data = pushed()
     loud, friction = (fitted(data, law, 16.0 * data.evidence) for law in (BASE, BASE + CoulombFriction(0.1)))
-    noise = scale_from([loud], data.readings).other_noise
-    assert noise is not None and _floors_left(data, None, loud) == pytest.approx(4.0)
+    quiet = tuple(replace(part, noise=0.25 * part.noise) for part in data.readings)  # what these tell of it at rest
+    heard = scale_from([fitted(replace(data, readings=quiet), BASE, 16.0 * data.evidence)], quiet).other_noise
+    assert heard is not None and heard.growth == pytest.approx(4.0, rel=0.1)
+    noise = replace(heard, left=16.0 * heard.freedom, level=16.0)
+    assert _floors_left(data, None, loud) == pytest.approx(4.0)
     ranking = Ranking((friction, loud), (0.0, -1.0), (0.7, 0.3))
     (rival,) = listed(ranking, friction, partial(_floors_left, data, noise))
     assert rival.floors == _heard(data, noise, (loud,))[1][0].ratio
