@@ -146,7 +146,7 @@ def _plainest(ranking: Ranking) -> Hypothesis:
 
 def leaving_less(ranking: Ranking, noise: float) -> list[Causes]:
     """Causes of the likeliest sets that leave less than half of what the leading one leaves above the noise, ``KEPT``
-    at most, none of them with all causes of another.
+    at most, none of them with all causes of another or with more than two: many laws follow anything.
 
     Args:
         ranking: sets by evidence, the leading one first.
@@ -155,7 +155,7 @@ def leaving_less(ranking: Ranking, noise: float) -> list[Causes]:
     most = noise + MOST_OF**2 * (ranking.best.chi - noise) if ranking.best.chi > noise else 0.0
     found: list[Causes] = []
     for one in ranking.sets:
-        if one.causes and one.chi < most and not any(causes <= one.causes for causes in found):
+        if 0 < len(one.causes) <= 2 and one.chi < most and not any(causes <= one.causes for causes in found):
             found.append(one.causes)
     return found[:KEPT]
 
