@@ -18,7 +18,7 @@ import numpy as np
 
 from msd_ident.data.record import FloatArray
 from msd_ident.errors import DataError
-from msd_ident.io import channel_header, units
+from msd_ident.io import channel_header, date_times, units
 from msd_ident.io.cells import cells_of, is_number, joined, separator_of, split
 from msd_ident.io.columns import TIME_NAMES
 from msd_ident.io.number_marks import with_points, without_quotes
@@ -68,7 +68,8 @@ class Table:
 
     def __init__(self, path: Path) -> None:
         self._path = path
-        self._text = _MATRIX.sub(lambda found: found.group(1).replace(";", " "), _read_text(path))
+        text = date_times.as_seconds(_read_text(path))
+        self._text = _MATRIX.sub(lambda found: found.group(1).replace(";", " "), text)
         self.layout = self._find_layout()
 
     @property
