@@ -83,12 +83,12 @@ def concluded(task: Task, found: Searched, progress: Progress = silent) -> Diagn
     said = _warned(task, choice, shown) + verdict.spread_sentence(moved) + fits[1].open_directions
     if not scale_known(fits[1].quantities):
         said += fits[0].open_directions or (intervals.NO_SCALE,)
-    unnamed = _unnamed(ranking, best, scale)
+    after = dependence.sentence(still), _unnamed(ranking, best, scale)
     return Diagnosis(
         records=task.records,
         findings=task.findings,
         verdict=decision,
-        summary=verdict.summary(decision, causes, lacks, choice.heldout, dependence.sentence(still), unnamed),
+        summary=verdict.summary(decision, causes, lacks, choice.heldout, after),
         causes=causes,
         base=fits[0],
         extended=fits[1],

@@ -35,7 +35,7 @@ def decide(causes: Sequence[Cause], left: Remainders) -> Verdict:
 
 
 def summary(
-    verdict: Verdict, causes: Sequence[Cause], left: Remainders, heldout: HeldOut, after: str, unnamed: str = ""
+    verdict: Verdict, causes: Sequence[Cause], left: Remainders, heldout: HeldOut, after: tuple[str, str]
 ) -> str:
     """The verdict in sentences.
 
@@ -44,9 +44,10 @@ def summary(
         causes: named causes, strongest first.
         left: missing force and unexplained motion of base and extended model.
         heldout: prediction of left-out data.
-        after: what follows on what is left: the signals that the remaining force depends on.
-        unnamed: why explanations are not named that leave much less (``unpredicted``).
+        after: what follows on what is left, each empty where there is nothing to say: the signals that the remaining
+            force depends on, and why explanations are not named that leave much less (``unpredicted``).
     """
+    depends, unnamed = after
     if verdict == "adequate":
         return f"Mass, damping and stiffness are enough. {_left('With them', left)}"
     if verdict == "unexplained":
@@ -56,7 +57,7 @@ def summary(
             lead += " this record does not show what it is." if faint else ", and this record does not show what it is."
         else:
             lead += " no cause of the library explains it." if faint else " that no cause of the library explains."
-        return " ".join(filter(None, (lead, _left("With m, b, k", left), after, unnamed)))
+        return " ".join(filter(None, (lead, _left("With m, b, k", left), depends, unnamed)))
     them = "it" if len(causes) == 1 else "them"
     said = [
         f"The model {_lacks(causes)}{_ties(causes)}.",
@@ -64,8 +65,8 @@ def summary(
         *_readings(causes),
         _left(f"With {them}", left),
     ]
-    if left.exceeds and after:
-        said.append(after)
+    if left.exceeds and depends:
+        said.append(depends)
     before = f"Without {them}, {percent(left.base.motion_percent)} of the motion is unexplained"
     said.append(
         f"{before}; left-out data is predicted {heldout.reduction_percent:.3g} % better "

@@ -113,18 +113,24 @@ class Caveats:
         changes with time moves nearly alike. Nor is what may be another shape of the other laws, or of the controller's
         (``steered``), nor what is seen once only, nor a cause of a set that leaves much (``leaves``). Nor is a linear
         filter of the force beside two others: with three of them a set follows a filter of another kind to the noise.
+        Nor is a curve over the speed that bends freely beside another one (``bent``): the two follow any third.
         """
         effect = by_name(law)
         aged = (effect.ages() and not rich) or (effect.ages_spring() and not (rich and self.exact))
         shape = effect.is_shape_beside(by_name(one) for one in self.causes - {law})
         pushed_back = steered and effect.is_spring()
         seen_once = law in self.slow | self.seldom | self.held
-        return aged or shape or pushed_back or seen_once or law in self.filters() or self.leaves > 0.0
+        return aged or shape or pushed_back or seen_once or law in self.filters() | self.bent() or self.leaves > 0.0
 
     def filters(self) -> frozenset[str]:
         """Linear filters of the force in the set, if there are three or more."""
         found = frozenset(one for one in self.causes if by_name(one).filters_force())
         return found if len(found) > 2 else frozenset()
+
+    def bent(self) -> frozenset[str]:
+        """Curves over the speed in the set that are another form of a simple law, if there are two or more."""
+        found = frozenset(one for one in self.causes if by_name(one).form_of and by_name(one).is_curve_over_speed())
+        return found if len(found) > 1 else frozenset()
 
     def _beside_same_motion(self, law: str, among: frozenset[str], rich: bool) -> float:
         """Greatest odds of a law beside what gives the same motion.

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from msd_ident.estimate.levels import FEWEST
 from msd_ident.model.effects import by_name, spoken
+from msd_ident.selection.caveats import Caveats
 from msd_ident.selection.certainty import CERTAIN_ODDS, certain
 from msd_ident.selection.hypothesis import COULOMB, Causes, kinds
 from msd_ident.selection.ranking import Ranking
@@ -47,11 +48,7 @@ def sentences(ranking: Ranking) -> tuple[str, ...]:
         if name in caveats.open
     ]
     said += [*_slow(ranking, unsure), *_sampled(ranking, unsure), *_aging(ranking, unsure), *_steered(ranking, unsure)]
-    if not caveats.filters().isdisjoint(unsure):
-        said.append(
-            f"{', '.join(map(spoken, sorted(caveats.filters())))} are linear filters of the force: together they come "
-            "near any other filter, so none of them is certain."
-        )
+    said += _free_together(caveats, unsure)
     if ranking.balanced and unsure:
         said.append(
             "a controller holds an unstable motion, and what disturbs the rig moves its force too, which friction also "
@@ -68,6 +65,22 @@ def sentences(ranking: Ranking) -> tuple[str, ...]:
         causes, are = " and ".join(map(spoken, doubted)), "is" if len(doubted) == 1 else "are"
         said.append(f"left-out data calls for {causes}, but the evidence does not, so {causes} {are} not certain.")
     return tuple(sentence[0].upper() + sentence[1:] for sentence in said)
+
+
+def _free_together(caveats: Caveats, unsure: Sequence[str]) -> list[str]:
+    """Why named laws are not certain that together come near any other of their kind; empty where there are none."""
+    said = []
+    if not caveats.filters().isdisjoint(unsure):
+        said.append(
+            f"{', '.join(map(spoken, sorted(caveats.filters())))} are linear filters of the force: together they come "
+            "near any other filter, so none of them is certain."
+        )
+    if not caveats.bent().isdisjoint(unsure):
+        said.append(
+            f"{' and '.join(map(spoken, sorted(caveats.bent())))} are curves over the speed that bend freely: together "
+            "they come near any other curve, so none of them is certain."
+        )
+    return said
 
 
 def _another_form(ranking: Ranking, name: str, part: float) -> str:

@@ -76,7 +76,7 @@ def test_the_rules_in_their_order(causes: tuple[Cause, ...], remainder: Remainde
     ],
 )  # fmt: skip
 def test_the_words(name: Any, causes: list[Cause], remainder: Remainders, words: list[str]) -> None:
-    said = verdict.summary(name, causes, remainder, GAIN, "DEPENDS")
+    said = verdict.summary(name, causes, remainder, GAIN, ("DEPENDS", ""))
     for part in words:
         assert part in said
     assert ("DEPENDS" in said) == ("DEPENDS" in words)
@@ -96,6 +96,6 @@ def test_a_leading_explanation_that_is_not_named_is_said_with_the_reason() -> No
 @pytest.mark.parametrize(("percent", "lead"), [(4.0, "Something is missing, and"), (0.04, "not noise alone, and")])
 def test_it_is_not_said_that_no_cause_explains_what_some_would(percent: float, lead: str) -> None:
     """A mass on a spring (public record) leaves 1.5 noise floors, and 1.05 with a spring that stiffens."""
-    said = verdict.summary("unexplained", [], left(percent), GAIN, "", "COGGING WOULD")
+    said = verdict.summary("unexplained", [], left(percent), GAIN, ("", "COGGING WOULD"))
     assert f"{lead} this record does not show what it is." in said and said.endswith("COGGING WOULD")
     assert "no cause of the library explains" not in said

@@ -44,6 +44,20 @@ def test_of_three_linear_filters_of_the_force_none_is_certain() -> None:
     assert Caveats(three | PAIR, exact=True).greatest("quadratic_drag", rich=True, steered=False) == 1.0
 
 
+def test_of_two_curves_over_the_speed_that_bend_freely_none_is_certain() -> None:
+    """Friction that is the difference of two tanh (Makkar) was a drag with a free exponent, with 0.94."""
+    two = frozenset({"power_drag", "smooth_friction"})
+    for causes, sure in (
+        (two, False),
+        (two - {"power_drag"} | {"quadratic_drag"}, True),
+        (frozenset({"power_drag"}), True),
+    ):
+        laws = sorted(causes - {"quadratic_drag"})
+        assert all((Caveats(causes, exact=True).greatest(law, rich=True, steered=False) == 1.0) is sure for law in laws)
+        told = doubts.sentences(replace(ranking({tuple(causes): 1.0}), rich=True).with_caveats(causes, exact=True))
+        assert any("ower drag and smooth friction are curves over the speed" in one for one in told) is not sure
+
+
 @pytest.mark.parametrize("name", sorted(MORE))
 def test_no_caveat_about_a_cause_leaves_it_certain_nor_touches_the_other(name: str) -> None:
     doubted = replace(Caveats(PAIR), **{name: MORE[name]})
