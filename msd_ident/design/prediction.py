@@ -219,12 +219,17 @@ class Predictor:
         start = np.array([[self.start.position, self.start.zero]])
         return np.asarray(self.readings(on, self.point[None, :], start)[0])
 
-    def drawn(self, on: Record) -> FloatArray:
-        """Readings (1 + LEADERS, n) [m] at the fitted values, and at the first few draws within their bounds."""
+    def drawn(self, on: Record, count: int = LEADERS) -> FloatArray:
+        """Readings (1 + count, n) [m] at the fitted values, and at the first draws within their bounds.
+
+        Args:
+            on: record with stamps and force.
+            count: of draws, ``DRAWS`` at most.
+        """
         owned = [self.contender.model.parameters[i] for i in self.places]
-        points = np.clip(self.point + self.draws[:LEADERS], [one.lower for one in owned], [one.upper for one in owned])
+        points = np.clip(self.point + self.draws[:count], [one.lower for one in owned], [one.upper for one in owned])
         start = np.array([[self.start.position, self.start.zero]])
-        return self.readings(on, np.vstack([self.point, points]), np.repeat(start, 1 + LEADERS, axis=0))
+        return self.readings(on, np.vstack([self.point, points]), np.repeat(start, 1 + count, axis=0))
 
     def linearised(
         self, on: Record, point: FloatArray, start: FloatArray, velocity: float = 0.0

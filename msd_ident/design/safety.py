@@ -9,7 +9,7 @@ import numpy as np
 
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.design.limits import Limits
-from msd_ident.design.prediction import Predictor, Sensing, grid
+from msd_ident.design.prediction import DRAWS, Predictor, Sensing, grid
 from msd_ident.design.profile import Profile
 from msd_ident.estimate.levels import BEYOND_DOUBT, MOST_OF, NATURAL_RANGE
 from msd_ident.estimate.parameter_units import in_force_unit
@@ -50,14 +50,14 @@ def worst_case_actuator(lead: CandidateModel, records: Sequence[Record]) -> Cand
 
 
 def extremes(predictors: Sequence[Predictor], on: Record) -> tuple[float, float, float]:
-    """Least and greatest reading from the start [m] and greatest speed [m/s] over all rivals and what the data leaves
-    of their parameters (``Predictor.drawn``).
+    """Least and greatest reading from the start [m] and greatest speed [m/s] over all rivals and all draws of what the
+    data leaves of their parameters (``Predictor.drawn``).
 
     Args:
         predictors: the rivals.
         on: record with the profile's force.
     """
-    reached = [_reached(one.drawn(on), on) for one in predictors]
+    reached = [_reached(one.drawn(on, DRAWS), on) for one in predictors]
     return min(low for low, _, _ in reached), max(high for _, high, _ in reached), max(fast for _, _, fast in reached)
 
 
@@ -100,8 +100,8 @@ def fitted_in(
         strong = profile.scaled(factor)
         on = grid(strong, period, seen).record
         room = MARGIN * min(_room(one.positions(on)[None, :], on, limits) for one in predictors)
-        if room >= 1.0:  # whatever the parameters are that the data leaves
-            room = min(_room(one.drawn(on), on, limits) for one in predictors)
+        if room >= 1.0:  # so it must be with other values too that the data leaves
+            room = MARGIN * min(_room(one.drawn(on), on, limits) for one in predictors)
         if room >= 1.0:
             return strong
         factor *= 0.98 * room

@@ -13,7 +13,7 @@ import numpy as np
 
 from msd_ident.data.record import FloatArray
 from msd_ident.estimate.covariance import unit_diagonal
-from msd_ident.estimate.levels import NEGLIGIBLE, NULL
+from msd_ident.estimate.levels import MOST_OF, NEGLIGIBLE, NULL, TENTH
 from msd_ident.model import Parameter
 from msd_ident.model.parameters import FORCES, PARAMETERS
 
@@ -90,7 +90,8 @@ def describe(
         None if only initial states and zeros take part, which are of no interest to the user.
     """
     change = direction * reference
-    shares = _shares(change, names, values, reference)
+    own = np.where(values != 0.0, np.abs(values), reference)
+    shares = [(name, float(change[i])) for i, name in enumerate(names) if abs(change[i]) >= NEGLIGIBLE * own[i]]
     physical = [name for name, _ in shares if " of " not in name]
     if not physical:
         return None
@@ -99,25 +100,24 @@ def describe(
     return OpenDirection(tuple(shares), _sentence(physical, zeros, common, forced))
 
 
-def _shares(
-    change: FloatArray, names: tuple[str, ...], values: FloatArray, reference: FloatArray
-) -> list[tuple[str, float]]:
-    """Parameters that take part in a change (p,), and by how much each does."""
-    own = np.where(values != 0.0, np.abs(values), reference)
-    return [(name, float(change[i])) for i, name in enumerate(names) if abs(change[i]) >= NEGLIGIBLE * own[i]]
-
-
 def exchanged(
     direction: FloatArray, names: tuple[str, ...], values: FloatArray, reference: FloatArray
 ) -> frozenset[str]:
-    """Parameters that others can stand in for along an open direction: those that take part in it, without the forces
-    where it changes all of these by one factor, so that none of them can vanish beside the others.
+    """Parameters that others can stand in for along an open direction: those that take a large part in it.
+
+    Where it changes most forces by one factor, another factor counts, not this one: none of those forces can vanish
+    beside the others.
 
     Arguments are those of ``describe``.
     """
-    change = direction * reference
-    found = frozenset(name for name, _ in _shares(change, names, values, reference))
-    return found - FORCES if _scales_forces(change, values, names) is not None else found
+    forces = np.array([name in FORCES for name in names]) & (values != 0.0)
+    part, own = direction.copy(), np.where(values != 0.0, values, reference)
+    factor = (direction * reference / own)[forces]
+    common = float(np.median(factor)) if factor.size else 0.0
+    if np.count_nonzero(np.abs(factor - common) < TENTH * abs(common)) > MOST_OF * factor.size:
+        part[forces] -= common * (values / reference)[forces]
+    most = TENTH * float(np.max(np.abs(part), initial=0.0))
+    return frozenset(name for name, one in zip(names, part, strict=True) if abs(one) > max(most, NEGLIGIBLE))
 
 
 def motionless(names: tuple[str, ...]) -> OpenDirection:
@@ -155,22 +155,16 @@ def _of(name: str) -> Parameter:
 
 
 def _common_factor(change: FloatArray, values: FloatArray, names: tuple[str, ...]) -> bool:
-    """Whether the direction scales all forces by one factor and changes nothing else."""
-    middle = _scales_forces(change, values, names)
-    if middle is None:
-        return False
-    others = [i for i, name in enumerate(names) if name not in FORCES and " of " not in name]
-    return all(abs(change[i]) <= 0.05 * abs(middle * values[i]) or values[i] == 0.0 for i in others)
-
-
-def _scales_forces(change: FloatArray, values: FloatArray, names: tuple[str, ...]) -> float | None:
-    """The one factor by which the direction changes all forces; None where it does not."""
-    known = np.array([name in FORCES for name in names]) & (values != 0.0)
+    """Whether the direction scales all forces by one factor."""
+    forces = np.array([name in FORCES for name in names])
+    known = forces & (values != 0.0)
     if np.count_nonzero(known) < 2:
-        return None
+        return False
     factor = change[known] / values[known]
     middle = float(np.median(factor))
-    return middle if middle != 0.0 and bool(np.all(np.abs(factor / middle - 1.0) < 0.1)) else None
+    others = [i for i, name in enumerate(names) if not forces[i] and " of " not in name]
+    still = all(abs(change[i]) <= 0.05 * abs(middle * values[i]) or values[i] == 0.0 for i in others)
+    return still and middle != 0.0 and bool(np.all(np.abs(factor / middle - 1.0) < 0.1))
 
 
 def loose(names: tuple[str, ...], values: FloatArray, std: FloatArray, reference: FloatArray) -> list[OpenDirection]:

@@ -68,8 +68,8 @@ class Table:
 
     def __init__(self, path: Path) -> None:
         self._path = path
-        text = date_times.as_seconds(_read_text(path))
-        self._text = _MATRIX.sub(lambda found: found.group(1).replace(";", " "), text)
+        self._text = _MATRIX.sub(lambda found: found.group(1).replace(";", " "), _read_text(path))
+        self._first_dates: dict[int, tuple[int, str]] = {}  # by column: time [ns] and zone of its first date
         self.layout = self._find_layout()
 
     @property
@@ -157,10 +157,22 @@ class Table:
         try:
             value = float(text)
         except ValueError:
-            value = math.nan
+            value = self._since_first(text, line, index)
         if not math.isfinite(value):
             raise self._no_number(line, text, index)
         return value
+
+    def _since_first(self, text: str, line: int, index: int) -> float:
+        """Seconds from a column's first date to this one; NaN where a cell is no date with a time."""
+        if (found := date_times.nanoseconds(text)) is None:
+            return math.nan
+        unit = units.unit(self.layout.header[index])[0]
+        if units.is_time(unit) and unit != "s":
+            raise self._no_number(line, text, index, f"a number in {unit}, as the heading says")
+        first, zone = self._first_dates.setdefault(index, found)
+        if found[1] != zone:
+            raise self._no_number(line, text, index, f"a date of the same zone as the first one ({zone or 'none'})")
+        return (found[0] - first) / 1e9
 
     def _no_number(self, line: int, text: str, index: int, expected: str = "a finite number") -> DataError:
         return DataError(

@@ -7,9 +7,9 @@ variance at the frequency ω [rad per sample] is
 
     s(ω) = L (w + (1 − w) (1 − a²) / (1 + a² − 2 a cos ω)).
 
-The level L is that of the fastest band, which the error of a law hardly reaches, but no more than the readings have:
-noise with a memory changes from sample to sample too, and the third differences of the readings hold that beside those
-of the motion. The white part w and the memory τ are the likeliest (Whittle 1953, Ark. Mat. 2). In the slower bands the
+The level L is that of the fastest band, which the error of a law hardly reaches, but no more than the readings have
+there: what a model adds of its own in that band is no noise. The white part w and the memory τ are the likeliest
+(Whittle 1953, Ark. Mat. 2). In the slower bands the
 residual may also hold an error of a law, with the prior of ``selection.evidence``. The noise is white unless the
 likelihood gains more than its two parameters cost (Schwarz 1978, Ann. Stat. 6).
 """
@@ -35,7 +35,7 @@ _MEMORIES = fixed(
     "memories that are tried [samples]: a sensor's, much shorter than a swing",
 )
 _WHITE = fixed((0.0, 0.02, 0.1, 0.3), "mathematics", "white parts that are tried")
-_THIRD = fixed(20.0, "mathematics", "variance of a third difference of white noise: 1 + 9 + 9 + 1")
+_SLOW = fixed(1e-30, "accuracy", "power of a third difference below which a frequency is none")
 _FINE = fixed(4, "mathematics", "bins of an octave over which a spectrum hardly changes")
 
 
@@ -95,16 +95,15 @@ class _Bins:
         freedom: (b,) degrees of freedom.
         power: (b,) sum of squares, in units of the readings' noise.
         within: (b, BANDS) 1 where a bin lies in an octave, else 0.
-        rough: (b,) degrees of freedom, weighted as third differences weight the frequency: all of them for white noise.
-        changes: (b,) power of the third differences of the readings, in the same units.
+        read: (b,) power of the readings themselves, in the same units: that of their third differences, under a window,
+            over what these make of each frequency, so that the slow motion does not leak into the fast band.
     """
 
     frequency: FloatArray
     freedom: FloatArray
     power: FloatArray
     within: FloatArray
-    rough: FloatArray
-    changes: FloatArray
+    read: FloatArray
 
     @property
     def fast(self) -> FloatArray:
@@ -147,7 +146,8 @@ def _levels(bins: _Bins, shapes: FloatArray) -> FloatArray:
     """(s,) likeliest level of noise of each shape (s, b) in the fastest band, as far as the readings allow it."""
     likeliest = (bins.power / shapes) @ bins.within[:, -1] / bins.fast.sum()
     fast = bins.within[:, -1]
-    return np.asarray(np.minimum(likeliest, ALIKE**2 * (bins.changes @ fast) / (shapes @ (bins.rough * fast))))
+    most = ALIKE**2 * (bins.read @ fast) / (shapes @ bins.fast)
+    return np.asarray(np.where(most > 0.0, np.minimum(likeliest, most), likeliest))
 
 
 def _log_likelihood(bins: _Bins, shapes: FloatArray) -> FloatArray:
@@ -179,13 +179,14 @@ def _bins_of(residual: FloatArray, part: Readings) -> tuple[FloatArray, ...]:
     fine = np.floor(_FINE * np.log2(np.maximum(number, 1.0))).astype(np.intp)
     _, first, place = np.unique(part.octaves.band * (fine[-1] + 1) + fine, return_index=True, return_inverse=True)
     counted = two_sided(count) * (part.evidence / count)
-    rough = counted * (2.0 * np.sin(math.pi / count * number)) ** 6 / _THIRD
-    changes = np.abs(np.fft.rfft(np.diff(part.record.position, 3), count)) ** 2 / (_THIRD * part.noise**2 * count)
+    third = np.diff(part.record.position, 3)
+    window = np.hanning(third.size) * math.sqrt(8.0 / 3.0)  # a window of mean square 1
+    differences = np.maximum((2.0 * np.sin(math.pi / count * number)) ** 6, _SLOW)
+    read = np.abs(np.fft.rfft(window * third, count)) ** 2 / (differences * part.noise**2 * count)
     return (
         np.asarray(np.bincount(place, number) / np.bincount(place) * (2.0 * math.pi / count), dtype=np.float64),
         np.asarray(np.bincount(place, counted), dtype=np.float64),
         np.asarray(np.bincount(place, power), dtype=np.float64),
         np.eye(BANDS, dtype=np.float64)[part.octaves.band[first]],
-        np.asarray(np.bincount(place, rough), dtype=np.float64),
-        np.asarray(np.bincount(place, counted * changes), dtype=np.float64),
+        np.asarray(np.bincount(place, counted * read), dtype=np.float64),
     )

@@ -153,11 +153,8 @@ def leaving_less(ranking: Ranking, noise: float) -> list[Causes]:
         noise: chi² that noise alone leaves.
     """
     most = noise + MOST_OF**2 * (ranking.best.chi - noise) if ranking.best.chi > noise else 0.0
-    found: list[Causes] = []
-    for one in ranking.sets:
-        if 0 < len(one.causes) <= 2 and one.chi < most and not any(causes <= one.causes for causes in found):
-            found.append(one.causes)
-    return found[:KEPT]
+    found = [one.causes for one in ranking.sets if 0 < len(one.causes) <= 2 and one.chi < most]
+    return [causes for causes in found if not any(other < causes for other in found)][:KEPT]
 
 
 def _with_less(ranking: Ranking) -> list[Hypothesis]:

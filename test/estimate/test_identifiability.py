@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from fitrigs import COUNTS_PER_METRE, DEMO, demo_record, measured, wrong
 
-from msd_ident.estimate import FitResult, fit
+from msd_ident.estimate import FitResult, fit, identifiability
 from msd_ident.estimate.identifiability import null_directions
 from msd_ident.model import Plant
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
@@ -139,3 +139,21 @@ def test_null_directions_have_few_entries() -> None:
     columns = np.stack([jacobian[:, 0], jacobian[:, 0], jacobian[:, 1], -2.0 * jacobian[:, 1], jacobian[:, 2]], axis=1)
     found = null_directions(columns.T @ columns, np.ones(5), np.zeros((5, 5)))
     assert sorted(tuple(np.flatnonzero(np.abs(direction) > 1e-6)) for direction in found) == [(0, 1), (2, 3)]
+
+
+@pytest.mark.parametrize(
+    ("moved", "expected"),
+    [
+        ((1.0, 1.0, 1.0, 1.0, 0.0), set()),
+        ((1.0, 1.0, 1.0, 1.0, 1.0), {"gain_slope"}),
+        ((0.0, 1.0, 0.0, -1.0, 0.0), {"damping", "coulomb_force"}),
+        ((1.0, 0.0, 1.0, 1.0, 0.0), {"damping"}),
+        ((1.0, 0.0, 0.0, 0.02, 0.0), {"mass"}),
+    ],
+    ids=["one factor", "one factor and the gain", "friction for damping", "both mixed", "hardly"],
+)
+def test_only_what_can_vanish_beside_the_others_is_exchanged(moved: tuple[float, ...], expected: set[str]) -> None:
+    """A factor that all forces share, mixed with another open direction, leaves the others as sure as they are."""
+    names = ("mass", "damping", "stiffness", "coulomb_force", "gain_slope")
+    values = np.array([2.0, 5.0, 300.0, 0.4, 0.01])
+    assert identifiability.exchanged(np.array(moved), names, values, values) == expected

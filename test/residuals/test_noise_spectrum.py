@@ -116,3 +116,13 @@ def test_noise_is_no_larger_than_the_readings_have_it(memory: float) -> None:
     assert found is not None and found.growth < 0.1, "slow noise changes little from sample to sample: it may be more"
     honest = estimate([left], [containing(left)])
     assert honest is not None and honest.growth == pytest.approx(1.0, rel=0.1)
+
+
+@pytest.mark.parametrize("cutoff", [0.3, 0.4, 0.6])
+def test_noise_that_a_sensor_filters_keeps_its_level(cutoff: float) -> None:
+    """It has less near the Nyquist frequency than noise with a memory: what bounds it must not ask there."""
+    rough = scipy.signal.lfilter(*scipy.signal.butter(2, cutoff), noise(0.0, 3, SAMPLES + 500))[500:]
+    left = np.asarray(rough / np.std(rough))
+    found, free = found_in(left), estimate([left], [containing(1e3 * left, 1e-8)])
+    assert free is not None and found.level == pytest.approx(free.level) and found.memory == free.memory
+    assert found.growth == pytest.approx(1.0, rel=0.1)

@@ -209,6 +209,8 @@ def test_what_is_left_is_counted_above_the_noise() -> None:
     sets = tuple(cast(Hypothesis, Set(frozenset(causes), chi)) for causes, chi in left)
     given = Ranking(sets, (-30.0, -34.0, -40.0, -41.0), (1.0, 0.0, 0.0, 0.0))
     assert naming.leaving_less(given, 1.0) == [{"cubic_spring"}], "not with more than that, nor of many"
+    larger_first = replace(given, sets=(sets[0], *reversed(sets[1:])))
+    assert naming.leaving_less(larger_first, 1.0) == [{"cubic_spring"}], "whichever is likelier"
     assert naming.leaving_less(given, 0.0) == []
     assert naming.leaving_less(given, 2.2) == [], "where only noise is left, nothing takes half of the rest away"
     assert naming.leaving_less(replace(given, sets=sets[:1]), 3.0) == [], "the base model is no explanation"
