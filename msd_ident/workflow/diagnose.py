@@ -152,11 +152,11 @@ def _decided_again(decision: Decision, found: Diagnosis) -> Decision | None:
 
 def _does_without(free: FitResult, sprung: FitResult) -> bool:
     """Whether a model without a spring does what one with a spring does, and has no other law that moves the mass: one
-    that stores energy over the place, or a disturbance that the other model does without. With a spring such a law is
-    one explanation among others; without, it would be certain.
+    that stores energy over the place, or a disturbance that the other model does about as well without. With a spring
+    such a law is one explanation among others; without, it would be certain.
     """
-    effects = free.model.effects
-    moved = any(one.stores_only() or (one.tones() and not sprung.model.has(one.name)) for one in effects)
+    effects, as_well = free.model.effects, sprung.see < free.see / MOST_OF
+    moved = any(one.stores_only() or (as_well and one.tones() and not sprung.model.has(one.name)) for one in effects)
     return not moved and free.see < sprung.see / MOST_OF
 
 

@@ -317,9 +317,17 @@ def test_a_spring_that_may_be_the_missing_force_is_not_assumed(
         (None, 2.5, False, False),
         (PeriodicDisturbance(1.0, 2.0, 0.1), 0.9, False, False),
         (PeriodicDisturbance(1.0, 2.0, 0.1), 0.9, True, True),
+        (PeriodicDisturbance(1.0, 2.0, 0.1), 0.4, False, True),
         (Gravity(2.0), 0.1, False, False),
     ],
-    ids=["nothing", "a large error", "a tone", "a tone beside the spring too", "gravity"],
+    ids=[
+        "nothing",
+        "a large error",
+        "a tone",
+        "a tone beside the spring too",
+        "a tone that leaves far less",
+        "gravity",
+    ],
 )
 def test_a_spring_is_not_given_up_for_a_law_that_moves_the_mass(
     law: Effect | None, less: float, beside: bool, without: bool
