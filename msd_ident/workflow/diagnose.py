@@ -10,7 +10,7 @@ from msd_ident.design import proposing, signs_doubt
 from msd_ident.diagnosis import Diagnosis, Task, concluded, diagnose_records, same_plant, search
 from msd_ident.errors import UsageError
 from msd_ident.estimate import FitResult, explained
-from msd_ident.estimate.levels import MOST_OF
+from msd_ident.estimate.levels import MOST_OF, TENTH
 from msd_ident.estimate.result import scale_known
 from msd_ident.residuals import impulses
 from msd_ident.selection.certainty import certain
@@ -104,7 +104,7 @@ def _searched(
         diagnosis = diagnose_records(_task(prepared, options, decision), progress, earlier)
     if other := _decided_again(decision, diagnosis):
         now = diagnose_records(_task(prepared, options, other), progress, earlier)
-        if other.sprung or _does_without(now.extended, diagnosis.extended):
+        if other.sprung or _does_without(now, diagnosis):
             diagnosis = now
     return diagnosis
 
@@ -150,14 +150,17 @@ def _decided_again(decision: Decision, found: Diagnosis) -> Decision | None:
     return Decision(not decision.sprung, (said,)) if said else None
 
 
-def _does_without(free: FitResult, sprung: FitResult) -> bool:
+def _does_without(free: Diagnosis, sprung: Diagnosis) -> bool:
     """Whether a model without a spring does what one with a spring does, and has no other law that moves the mass: one
-    that stores energy over the place, or a disturbance that the other model does about as well without. With a spring
-    such a law is one explanation among others; without, it would be certain.
+    that stores energy over the place, or a disturbance where the other model explains the motion about as well without.
+    With a spring such a law is one explanation among others; without, it would be certain.
     """
-    effects, as_well = free.model.effects, sprung.see < free.see / MOST_OF
-    moved = any(one.stores_only() or (as_well and one.tones() and not sprung.model.has(one.name)) for one in effects)
-    return not moved and free.see < sprung.see / MOST_OF
+    see, least = free.extended.see, sprung.extended.see
+    as_well = least < see / MOST_OF and sprung.left.extended.motion_percent < 100.0 * TENTH
+    others = [one for one in free.extended.model.effects if not sprung.extended.model.has(one.name)]
+    stores = any(effect.stores_only() for effect in free.extended.model.effects)
+    moved = stores or (as_well and any(effect.tones() for effect in others))
+    return not moved and see < least / MOST_OF
 
 
 def _task(prepared: Prepared, options: Options, decision: Decision) -> Task:

@@ -311,29 +311,31 @@ def test_a_spring_that_may_be_the_missing_force_is_not_assumed(
 
 
 @pytest.mark.parametrize(
-    ("law", "less", "beside", "without"),
+    ("law", "see", "beside", "left", "without"),
     [
-        (None, 0.9, False, True),
-        (None, 2.5, False, False),
-        (PeriodicDisturbance(1.0, 2.0, 0.1), 0.9, False, False),
-        (PeriodicDisturbance(1.0, 2.0, 0.1), 0.9, True, True),
-        (PeriodicDisturbance(1.0, 2.0, 0.1), 0.4, False, True),
-        (Gravity(2.0), 0.1, False, False),
+        (None, 0.9, False, 1.0, True),
+        (None, 2.5, False, 1.0, False),
+        (PeriodicDisturbance(1.0, 2.0, 0.1), 0.9, False, 1.0, False),
+        (PeriodicDisturbance(1.0, 2.0, 0.1), 0.9, False, 50.0, True),
+        (PeriodicDisturbance(1.0, 2.0, 0.1), 0.9, True, 1.0, True),
+        (PeriodicDisturbance(1.0, 2.0, 0.1), 0.4, False, 1.0, True),
+        (Gravity(2.0), 0.1, False, 1.0, False),
     ],
-    ids=[
-        "nothing",
-        "a large error",
-        "a tone",
-        "a tone beside the spring too",
-        "a tone that leaves far less",
-        "gravity",
-    ],
-)
+    ids=["nothing", "a large error", "a tone", "a tone, and half of the motion left with a spring",
+         "a tone beside the spring too", "a tone that leaves far less", "gravity"],
+)  # fmt: skip
 def test_a_spring_is_not_given_up_for_a_law_that_moves_the_mass(
-    law: Effect | None, less: float, beside: bool, without: bool
+    law: Effect | None, see: float, beside: bool, left: float, without: bool
 ) -> None:
-    """An arm whose servo is switched off falls by itself: without a spring nothing but a tone was left to move it."""
+    """An arm whose servo is switched off falls by itself: without a spring nothing but a tone was left to move it.
+
+    ``see`` is that without a spring over that with one, ``left`` what the spring leaves of the motion [%].
+    """
     free, sprung = Plant(1.0, 2.0, 0.0), Plant(1.0, 2.0, 10.0)
     models = (free if law is None else free + law), (sprung + law if beside and law is not None else sprung)
-    results = [SimpleNamespace(model=model, see=see) for model, see in zip(models, (less, 1.0), strict=True)]
-    assert _does_without(cast(Any, results[0]), cast(Any, results[1])) is without
+    rest = SimpleNamespace(extended=SimpleNamespace(motion_percent=left))
+    found = [
+        SimpleNamespace(extended=SimpleNamespace(model=model, see=one), left=rest)
+        for model, one in zip(models, (see, 1.0), strict=True)
+    ]
+    assert _does_without(cast(Any, found[0]), cast(Any, found[1])) is without
