@@ -65,9 +65,13 @@ def search(
         sets[fitted.causes] = refine(experiment, fitted.causes, fitted.model, initial)
     whole = _searching(experiment, progress)
     ranking = whole.compared(list(sets.values()))
-    if whole.at_floor(ranking.best) or not (clear or blurred(ahead.best)):
-        return _told(ranking, experiment, (ahead, part))
-    return _told(whole.resume(list(whole.sets.values())), experiment, (ahead, part))
+    if (clear or blurred(ahead.best)) and not whole.at_floor(ranking.best):
+        whole.resume(list(whole.sets.values()))
+    starts = {
+        one.causes: (one.causes, one.model, _begun(one.initial, part, experiment, known[0].initial))
+        for one in first.sets.values()
+    }
+    return _told(whole.beside_its_parts(starts), experiment, (ahead, part))
 
 
 def _told(ranking: Ranking, experiment: Experiment, *before: tuple[Ranking, Experiment]) -> Ranking:

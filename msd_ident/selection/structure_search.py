@@ -8,7 +8,7 @@ the leading one by one cause have been fitted and none has more evidence.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from operator import is_
@@ -138,6 +138,29 @@ class Search(FittedSets):
         for causes, model, initial in nearest(self.experiment, best):
             self._look_again(causes, model, initial, math.inf if causes in self.sets else COMPARABLE * best.chi)
         return self.ranking()
+
+    def beside_its_parts(self, starts: Mapping[Causes, Remembered]) -> Ranking:
+        """Fit the sets that lack one cause of the leading one, as far as they were found on part of the data.
+
+        How much a cause explains is judged by them, whatever they leave. Where the leading set is another one than on
+        the part, they were not refined with it.
+
+        Args:
+            starts: sets that were fitted to part of the data, each with its values there.
+        """
+        ranking = self.ranking()
+        for _ in range(KEPT):
+            parts = {ranking.best.causes - {name} for name in ranking.best.causes}
+            missing = sorted((one for one in parts if one in starts and one not in self.sets), key=sorted)
+            if not missing:
+                break
+            for one in missing:
+                self.tried.add(one)
+                self._keep(refine(self.experiment, *starts[one]))
+            if all(one not in self.sets for one in missing):
+                break  # none is kept: a second mass of less than a swing
+            ranking = self.ranking()
+        return ranking
 
     def _rubs(self, base: Hypothesis) -> bool:
         """Whether Coulomb friction explains something and leaves more than noise: then the causes beside it come first.

@@ -50,6 +50,23 @@ def test_what_is_simpler_is_begun_where_the_leader_stands() -> None:
     assert np.isclose(found.best.model["coulomb_force"], 0.03 * 9.81, rtol=0.01)
 
 
+def test_the_leading_set_is_judged_beside_all_sets_that_lack_one_of_its_causes() -> None:
+    """A stop of another kind (MuJoCo's) had a second mode with > 0.999: the stop alone was fitted to a part only."""
+    laws = (CoulombFriction(1.0), TimeOffset(0.01))
+    experiment = pushed(*laws)
+    base, pair = stood(experiment, BASE), refine(
+        experiment, frozenset({"coulomb_friction", "time_offset"}), BASE + laws[0] + laws[1],
+        stood(experiment, BASE).initial,
+    )  # fmt: skip
+    search = Search(experiment, lambda fitted: False, lambda stage, part, cause: None)
+    search._know([base, pair])
+    assert search.ranking().leader_caveats.clear["time_offset"] > 1e3, "beside the base model alone"
+    starts = {one: (one, BASE + law, base.initial) for law in laws if (one := frozenset({law.name}))}
+    found = search.beside_its_parts({**starts, pair.causes: (pair.causes, pair.model, pair.initial)})
+    assert found.best.causes == pair.causes and set(starts) <= set(search.sets)
+    assert search.beside_its_parts({}).best.causes == pair.causes, "nothing is known of others"
+
+
 def test_a_play_that_stops_imitate_is_begun_where_the_stops_stand() -> None:
     """Far from its valley the play does not find it; stops beside a weaker spring have the same force beyond them."""
     made = simulate(
