@@ -24,7 +24,7 @@ from functools import cached_property
 import numpy as np
 
 from msd_ident.data.record import FloatArray
-from msd_ident.estimate.levels import ALIKE
+from msd_ident.estimate.levels import ALIKE, TENTH
 from msd_ident.residuals.noise_model import Readings
 from msd_ident.residuals.octaves import AT_MOTION, BANDS, OCTAVE_SHAPES, two_sided
 from msd_ident.tuning import fixed
@@ -171,6 +171,15 @@ def _binned(residuals: Sequence[FloatArray], readings: Sequence[Readings]) -> _B
     return _Bins(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
 
+def _tapered(count: int) -> FloatArray:
+    """A window (n,) of mean square 1 with short cosine tapers (Tukey): noise may grow with speed, at the ends too."""
+    edge = int(0.5 * TENTH * count)
+    window = np.ones(count)
+    window[:edge] = 0.5 - 0.5 * np.cos(np.pi * (np.arange(edge) + 0.5) / max(edge, 1))
+    window[count - edge :] = window[:edge][::-1]
+    return np.asarray(window / np.sqrt(np.mean(window**2)))
+
+
 def _bins_of(residual: FloatArray, part: Readings) -> tuple[FloatArray, ...]:
     """The same of one record: the arrays of ``_Bins``."""
     count = residual.size
@@ -180,7 +189,7 @@ def _bins_of(residual: FloatArray, part: Readings) -> tuple[FloatArray, ...]:
     _, first, place = np.unique(part.octaves.band * (fine[-1] + 1) + fine, return_index=True, return_inverse=True)
     counted = two_sided(count) * (part.evidence / count)
     third = np.diff(part.record.position, 3)
-    window = np.hanning(third.size) * math.sqrt(8.0 / 3.0)  # a window of mean square 1
+    window = _tapered(third.size)
     differences = np.maximum((2.0 * np.sin(math.pi / count * number)) ** 6, _SLOW)
     read = np.abs(np.fft.rfft(window * third, count)) ** 2 / (differences * part.noise**2 * count)
     return (

@@ -126,3 +126,12 @@ def test_noise_that_a_sensor_filters_keeps_its_level(cutoff: float) -> None:
     found, free = found_in(left), estimate([left], [containing(1e3 * left, 1e-8)])
     assert free is not None and found.level == pytest.approx(free.level) and found.memory == free.memory
     assert found.growth == pytest.approx(1.0, rel=0.1)
+
+
+@pytest.mark.parametrize("at", [0.1, 0.5, 0.9])
+def test_noise_that_grows_with_speed_keeps_its_level(at: float) -> None:
+    """Also where the cart is fast at the beginning or at the end of the record."""
+    size = 1.0 + 5.0 * np.exp(-(((np.arange(SAMPLES) / SAMPLES - at) / 0.1) ** 2))
+    left = size * noise(0.0)
+    found = found_in(left)
+    assert found.growth == pytest.approx(float(np.sqrt(np.mean(left**2))), rel=0.1) and found.memory == 0.0
