@@ -34,9 +34,9 @@ __all__ = [
     "default_limits",
     "design",
     "proposing",
-    "signs_doubt",
     "read_limits",
     "read_profile",
+    "signs_doubt",
     "write_profile",
 ]
 

@@ -155,12 +155,12 @@ def _does_without(free: Diagnosis, sprung: Diagnosis) -> bool:
     that stores energy over the place, or a disturbance where the other model explains the motion about as well without.
     With a spring such a law is one explanation among others; without, it would be certain.
     """
-    see, least = free.extended.see, sprung.extended.see
-    as_well = least < see / MOST_OF and sprung.left.extended.motion_percent < 100.0 * TENTH
+    see, sprung_see = free.extended.see, sprung.extended.see
+    as_well = sprung_see < see / MOST_OF and sprung.left.extended.motion_percent < 100.0 * TENTH
     others = [one for one in free.extended.model.effects if not sprung.extended.model.has(one.name)]
     stores = any(effect.stores_only() for effect in free.extended.model.effects)
     moved = stores or (as_well and any(effect.tones() for effect in others))
-    return not moved and see < least / MOST_OF
+    return not moved and see < sprung_see / MOST_OF
 
 
 def _task(prepared: Prepared, options: Options, decision: Decision) -> Task:
