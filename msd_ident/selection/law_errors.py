@@ -85,17 +85,15 @@ def other_forms(causes: Causes, sets: Mapping[Causes, Hypothesis], noise: float)
     """Causes of a set that may be another form of its other laws, with what they explain beyond these, as a part of
     what these explain. A law that holds Coulomb friction as a limit is compared with Coulomb friction in its place too.
 
-    Where the set leaves more than noise, each spring beside the one that explains most may be an error of its shape,
-    whatever it explains: two curves over the position come near any third one. So may each curve of the sensor, and
-    each linear filter of the force.
+    They may be one if they explain at most ``FORM_PART``; where the set leaves only noise and more than ``ROUGH`` noise
+    floors are left without the cause, ``LEAST_SPREAD``. Where the set leaves more than noise, each spring beside the one
+    that explains most may be an error of its shape, whatever it explains: two curves over the position come near any
+    third one. So may each curve of the sensor, and each linear filter of the force.
     """
-    parts = further_parts(causes, sets)
-    found = {
-        name: part
-        for name, part in parts.items()
-        if part <= (FORM_PART if sets[_fitted(causes - {name}, sets)].chi < ROUGH**2 * noise else LEAST_SPREAD)
-    }
-    if not leaves_noise(sets[causes], noise):
+    parts, exact = further_parts(causes, sets), leaves_noise(sets[causes], noise)
+    rough = {name for name in parts if not exact or sets[_fitted(causes - {name}, sets)].chi < ROUGH**2 * noise}
+    found = {name: part for name, part in parts.items() if part <= (FORM_PART if name in rough else LEAST_SPREAD)}
+    if not exact:
         found |= {name: parts.get(name, math.inf) for name in _further_curves(causes, parts)}
     for name in causes & set(HOLDING_COULOMB):
         limit = causes - {name} | {COULOMB}
