@@ -17,7 +17,6 @@ import numpy.typing as npt
 
 from msd_ident.data.noise import noise_floor
 from msd_ident.data.record import FloatArray, Record
-from msd_ident.estimate.levels import NEGLIGIBLE
 from msd_ident.tuning import fixed, tuned
 
 OCTAVE_SHAPES = tuned(
@@ -64,8 +63,7 @@ def octaves(record: Record) -> Octaves:
     """Bands of a record's frequencies in units of its motion's: the median of the spectrum of the velocity.
 
     Of that spectrum, only what white noise of the readings does not reach counts: differences of samples magnify it,
-    and the largest of n of its ordinates is about ln n times their mean. Noise that is not white, as of a drive, may be
-    beyond that: the motion is no faster than the frequencies that hold all but ``NEGLIGIBLE`` of its amplitude.
+    and the largest of n of its ordinates is about ln n times their mean.
     """
     count = record.samples
     frequency = np.arange(count // 2 + 1, dtype=np.float64)
@@ -74,9 +72,7 @@ def octaves(record: Record) -> Octaves:
     noise = count * (noise_floor(record) * 2.0 * np.sin(np.pi * frequency / count)) ** 2
     seen = power > 2.0 * math.log(count) * noise
     energy = np.cumsum(np.where(seen, power, 0.0) if seen.any() else power)
-    moved = np.cumsum(np.abs(np.fft.rfft(record.position - record.position.mean())) ** 2)
-    fastest = np.searchsorted(moved, (1.0 - NEGLIGIBLE**2) * moved[-1])
-    own = max(float(min(np.searchsorted(energy, 0.5 * energy[-1]), fastest)), 1.0)
+    own = max(float(np.searchsorted(energy, 0.5 * energy[-1])), 1.0)
     band = np.searchsorted(_ENDS, frequency / own, side="right")
     share = np.bincount(band, weights=two_sided(count), minlength=BANDS) / count
     return Octaves(band, share, own)

@@ -57,16 +57,6 @@ def test_noise_is_shared_by_width() -> None:
     assert left == pytest.approx(4001 * found.share, rel=0.05)
 
 
-def test_the_hum_of_a_drive_does_not_make_the_motion_faster() -> None:
-    """A slow motion, beside which noise that is not white has most of the speed, but little of the travel."""
-    slow = swinging(6000, 2.0)
-    hum = sum(np.sin(2.0 * np.pi * swings * slow.time / 10.0) for swings in (610.0, 680.0, 745.0))
-    humming = replace(slow, position=slow.position + 5e-3 * hum)
-    speed = np.diff(humming.position) - np.diff(slow.position)
-    assert np.std(speed) > 1.5 * np.std(np.diff(slow.position))
-    assert octaves(humming).swings < 10.0 * octaves(slow).swings
-
-
 @pytest.mark.parametrize("noise", [1e-3, 1e-2, 0.1, 0.3])
 def test_noise_does_not_make_the_motion_faster(noise: float) -> None:
     """Differences of neighbouring samples magnify what is fast."""
