@@ -86,9 +86,9 @@ def other_forms(causes: Causes, sets: Mapping[Causes, Hypothesis], noise: float)
     what these explain. A law that holds Coulomb friction as a limit is compared with Coulomb friction in its place too.
 
     They may be one if they explain at most ``FORM_PART``; where the set leaves only noise and more than ``ROUGH`` noise
-    floors are left without the cause, ``LEAST_SPREAD``. Where the set leaves more than noise, each spring beside the one
-    that explains most may be an error of its shape, whatever it explains: two curves over the position come near any
-    third one. So may each curve of the sensor, and each linear filter of the force.
+    floors are left without the cause, ``LEAST_SPREAD``. Where the set leaves more than noise, each spring beside the
+    one that explains most may be an error of its shape, whatever it explains: two curves over the position come near
+    any third one. So may each curve of the sensor, and each linear filter of the force.
     """
     parts, exact = further_parts(causes, sets), leaves_noise(sets[causes], noise)
     rough = {name for name in parts if not exact or sets[_fitted(causes - {name}, sets)].chi < ROUGH**2 * noise}
