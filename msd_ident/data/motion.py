@@ -41,8 +41,6 @@ class Motion:
         early: time by which the motion begins before the force first changes [s]; NaN when that cannot be said,
             as when the record does not begin at rest and without force.
         late: time by which it begins after a force step [s]; NaN likewise.
-        held: number of samples for which the readings repeat themselves between jumps, where most of them do; else 0.
-        held_size: typical number of equal readings there.
         standstills: stretches of equal readings, entered at speed.
     """
 
@@ -55,8 +53,6 @@ class Motion:
     onset: float
     early: float
     late: float
-    held: int
-    held_size: int
     standstills: tuple[Standstill, ...]
 
     @property
@@ -84,7 +80,6 @@ def observe(record: Record) -> Motion:
     turns = turning_points(position, max(12 * floor, 3.5 * step, 0.02 * span))
     half_period = float(np.median(np.diff(record.time[turns]))) if turns.size >= 4 else 0.0
     onset, early, late = _onset(record, max(6 * floor, 2.5 * step, 0.02 * span), floor, step)
-    held, held_size = _held(position, step)
     return Motion(
         span=span,
         rest_span=2 * floor * (1 + math.sqrt(2 * math.log(record.samples))) + 2 * step,
@@ -95,8 +90,6 @@ def observe(record: Record) -> Motion:
         onset=onset,
         early=early,
         late=late,
-        held=held,
-        held_size=held_size,
         standstills=_standstills(position, step),
     )
 
@@ -155,25 +148,6 @@ def _onset(record: Record, threshold: float, floor: float, step: float) -> tuple
     # Only a step, from little to much at once, says when the cart must move; a ramp may have to overcome friction.
     sudden = stepped.size and first.size and stepped[0] - first[0] < 2 * record.period
     return onset, early, (onset - float(stepped[0]) if sudden else math.nan)
-
-
-def _held(position: FloatArray, step: float) -> tuple[int, int]:
-    """Samples in short stretches of equal readings between jumps of many encoder steps, and their usual length.
-
-    Both are 0 unless most of the stretches hold a reading: an encoder that is read seldom repeats all of them, while
-    noise, rounding and a lost reading repeat one now and then.
-    """
-    moves = np.flatnonzero(np.diff(position))
-    size = np.diff(moves)
-    jump = np.diff(position)[moves]
-    # Where the cart turns around, two readings may be equal by symmetry.
-    onward = jump[:-1] * jump[1:] > 0
-    big = onward & (np.minimum(np.abs(jump[:-1]), np.abs(jump[1:])) >= 5 * step)
-    short = size[big & (size <= 20)]
-    held = short[short > 1]
-    if held.size < 10 or 2 * held.size <= short.size:
-        return 0, 0
-    return int(np.sum(held)), int(np.median(short))
 
 
 def _standstills(position: FloatArray, step: float) -> tuple[Standstill, ...]:

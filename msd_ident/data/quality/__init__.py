@@ -21,6 +21,7 @@ from msd_ident.data.quality.feedback import feedback, steered
 from msd_ident.data.quality.finding import Check, Finding
 from msd_ident.data.quality.gaps import continuous, left_out
 from msd_ident.data.quality.relation import relation
+from msd_ident.data.quality.repeats import repeated, without_repeats
 from msd_ident.data.quality.sampling import missing_in, missing_samples, sampling
 from msd_ident.data.quality.units import angle_unit, time_unit, units, wrapped
 from msd_ident.data.record import Record
@@ -68,7 +69,8 @@ class Examined:
 
     Attributes:
         given: as it came.
-        record: without what no motion makes (``clean``), and without what a long gap parts from the rest.
+        record: without what no motion makes (``clean``), without repeated readings (``without_repeats``), and without
+            what a long gap parts from the rest.
         findings: all of them, the worst first.
     """
 
@@ -85,9 +87,11 @@ class Examined:
 def examine(record: Record) -> Examined:
     """Choose the part of a record that has no long gap, clean it, and look for its problems."""
     part = continuous(record)
-    cleaned = clean(part.record)
+    renewed = without_repeats(part.record)
+    cleaned = clean(renewed.record)
     motion, turns = observe(cleaned.record), tuple(wrapped(record))
-    findings = [*sampling(record), *left_out(part), *turns, *removed(part.record, cleaned)]
+    findings = [*sampling(record), *left_out(part), *turns]
+    findings += [*repeated(part.record, renewed), *removed(renewed.record, cleaned)]
     checks = (one for one in CHECKS if one is not units or not turns)
     findings += [finding for one in checks for finding in one(cleaned.record, motion)]
     order = ("error", "warning", "info")

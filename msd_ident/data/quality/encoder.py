@@ -1,4 +1,4 @@
-"""What the encoder does to the motion: it sticks, clips, counts coarsely, or is read too seldom."""
+"""What the encoder does to the motion: it sticks, clips, counts coarsely, or gives too few readings."""
 
 from __future__ import annotations
 
@@ -20,14 +20,6 @@ _NEAR_END = 0.01
 def frozen_encoder(record: Record, motion: Motion) -> Iterator[Finding]:
     """Findings on readings that stand still although the cart arrives at speed; friction would stop it gently."""
     unit = record.position_unit
-    if motion.held > 0.05 * record.samples:
-        yield warning(
-            "held_samples",
-            f"the position changes only every {motion.held_size} samples "
-            f"({1e3 * record.period * motion.held_size:.3g} ms) while the cart moves: the encoder is read more slowly "
-            "than it is published",
-        )
-        return
     if _samples_an_oscillation(record, motion) < _FEW_SAMPLES:
         return
     low, high = float(np.min(record.position)), float(np.max(record.position))
