@@ -87,16 +87,14 @@ def _between_jumps(position: FloatArray, change: npt.NDArray[np.intp], step: flo
 def _usual(size: npt.NDArray[np.intp], moving: npt.NDArray[np.bool_]) -> int:
     """Usual samples of a stretch in which the cart moves; 0 unless most of these repeat a reading.
 
-    An encoder that is read seldom repeats all of them, while noise, rounding and a lost reading repeat one now and then.
+    An encoder that is read seldom repeats all of them; noise, rounding and a lost reading repeat one now and then.
     """
     short = size[moving]
     several = np.count_nonzero(short > 1)
     return 0 if several < _FEWEST or 2 * several <= short.size else int(np.median(short))
 
 
-def _new(
-    samples: int, change: npt.NDArray[np.intp], moving: npt.NDArray[np.bool_], every: int
-) -> npt.NDArray[np.intp]:
+def _new(samples: int, change: npt.NDArray[np.intp], moving: npt.NDArray[np.bool_], every: int) -> npt.NDArray[np.intp]:
     """Indices of new readings: where one differs, and each interval after it where the cart rests."""
     edges = np.concatenate(([0], change, [samples]))
     moves = np.concatenate(([False], moving, [False]))
