@@ -11,6 +11,7 @@ from msd_ident.selection.cross_validation import HeldOut, predict
 from msd_ident.selection.evidence import NoiseScale, scale_from
 from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.fitted_sets import Progress
+from msd_ident.selection.generalization import with_left_out
 from msd_ident.selection.hypothesis import Hypothesis
 from msd_ident.selection.ranking import Ranking
 
@@ -56,6 +57,7 @@ def chosen(experiment: Experiment, base: Hypothesis, ranking: Ranking, calibrate
             ranking, best, heldout = naming.predicting(experiment, base, replace(ranking, unchecked=True))
     else:
         ranking = replace(ranking, unchecked=True)  # what left-out data do not confirm is not certain
+    ranking = with_left_out(ranking, experiment, best, heldout)
     scale = scale_from(list(ranking.sets), experiment.readings)
     alike = gain_laws.alike(experiment, best, scale)
     if (law := gain_laws.leading(best, alike, scale)) is not best:

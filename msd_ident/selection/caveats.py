@@ -24,6 +24,8 @@ class Caveats:
         exact: whether it leaves only noise: no error of its laws is seen.
         leaves: what it leaves above the noise, as a part of what it explains, if that is more than ``LEFT_PART``, else
             0: its laws are not those of the rig, so none of its causes is certain.
+        missed: error on left-out data over that of the fit, where most of it is not noise (``generalization``), else 0:
+            the laws follow this record.
         further: causes that may be another form of the other laws, each with the part of what those explain that it
             explains (``law_errors.further_parts``).
         clear: how clearly the set needs each of its causes (``law_errors.clearness``).
@@ -46,6 +48,7 @@ class Caveats:
     causes: Causes
     exact: bool = False
     leaves: float = 0.0
+    missed: float = 0.0
     further: Mapping[str, float] = field(default_factory=dict)
     clear: Mapping[str, float] = field(default_factory=dict)
     instead: Others = field(default_factory=dict)

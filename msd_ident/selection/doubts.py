@@ -25,6 +25,11 @@ def sentences(ranking: Ranking) -> tuple[str, ...]:
             f"what is left is {100.0 * caveats.leaves:.0f} % of what {_explaining(named)}: the rig follows "
             "another law, so no named cause is certain."
         )
+    if caveats.missed and unsure:
+        said.append(
+            f"left-out data is missed by {caveats.missed:.2g} times the error of the fit: the laws follow this record, "
+            f"and hold less on another, so {_are(unsure)} not certain."
+        )
     said += [
         f"what is left is {100.0 * part:.0f} % of what is left without {spoken(name)}, and may move like it, so it is "
         "not certain."
@@ -62,8 +67,8 @@ def sentences(ranking: Ranking) -> tuple[str, ...]:
             if by_name(name).creeps_as
         ]
     if ranking.foretold and (doubted := [one for one in sorted(named) if by_name(one).cause() not in ranking.called]):
-        causes, are = " and ".join(map(spoken, doubted)), "is" if len(doubted) == 1 else "are"
-        said.append(f"left-out data calls for {causes}, but the evidence does not, so {causes} {are} not certain.")
+        causes = " and ".join(map(spoken, doubted))
+        said.append(f"left-out data calls for {causes}, but the evidence does not, so {_are(doubted)} not certain.")
     return tuple(sentence[0].upper() + sentence[1:] for sentence in said)
 
 
@@ -98,6 +103,11 @@ def _another_form(ranking: Ranking, name: str, part: float) -> str:
         f"{spoken(name)} explains {max(100.0 * part, 1.0):.0f} % of what {_explaining(rest)}: another form of that law "
         "could do the same, so it is not certain that it is a cause of its own."
     )
+
+
+def _are(names: Sequence[str]) -> str:
+    """``A is``, or ``A and B are``."""
+    return f"{' and '.join(map(spoken, names))} {'is' if len(names) == 1 else 'are'}"
 
 
 def _explaining(causes: Causes) -> str:
@@ -189,7 +199,7 @@ def _unclear(ranking: Ranking) -> dict[str, float]:
     what is left without the cause.
     """
     caveats = ranking.leader_caveats
-    if caveats.exact or caveats.leaves:
+    if caveats.exact or caveats.leaves or caveats.missed:
         return {}
     return {
         name: 1.0 / math.sqrt(1.0 + clear)

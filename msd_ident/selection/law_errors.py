@@ -111,16 +111,24 @@ def _further_curves(causes: Causes, parts: Mapping[str, float]) -> list[str]:
     ]
 
 
-def clearness(causes: Causes, sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> dict[str, float]:
+def clearness(
+    causes: Causes, sets: Mapping[Causes, Hypothesis], scale: NoiseScale, times: float = 1.0
+) -> dict[str, float]:
     """How clearly a set needs each of its causes: what the cause explains, in units of what the set leaves.
 
     It is (χ²(S − c) − χ²(S)) / max(χ²(S) − N, δN). Where the set leaves only noise, it leaves what the noise can hide,
     whose variance is known to δ = ``NOISE_ERROR``. If only the set's own residual tells of this noise, an error of its
     laws may be a part of it: then no cause is certain that may be one. A law that holds Coulomb friction as a limit is
     compared with Coulomb friction in its place too. Causes without a fitted smaller set are left out.
+
+    Args:
+        causes: the set.
+        sets: all fitted sets by their causes.
+        scale: gives the noise.
+        times: error on left-out data over that of the fit, if the set leaves as much there (``generalization``).
     """
-    found, left, most = {}, sets[causes].chi - scale.noise, math.inf
-    if leaves_noise(sets[causes], scale.noise):
+    found, left, most = {}, times**2 * sets[causes].chi - scale.noise, math.inf
+    if times <= 1.0 and leaves_noise(sets[causes], scale.noise):
         left, most = NOISE_ERROR * scale.noise, CERTAIN_ODDS if scale.other_noise else math.inf
     for name in causes:
         limits = [_fitted(causes - {name}, sets), causes - {name} | {COULOMB}][: 1 + (name in HOLDING_COULOMB)]
