@@ -11,7 +11,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from msd_ident.estimate.effort import KEPT
-from msd_ident.estimate.levels import MOST_OF, TENTH
+from msd_ident.estimate.levels import ALIKE, MOST_OF, TENTH
 from msd_ident.model.effects import by_name
 from msd_ident.selection.certainty import FAINT, ROUNDING, probability_at, uncertain
 from msd_ident.selection.cross_validation import HeldOut, predict
@@ -77,20 +77,27 @@ def predicting(experiment: Experiment, base: Hypothesis, ranking: Ranking) -> tu
 
 
 def _foretold(ranking: Ranking, experiment: Experiment, base: Hypothesis) -> tuple[Ranking, Hypothesis, HeldOut] | None:
-    """The result of ``predicting`` if left-out data call for a set that leaves less than the leading one does."""
-    less = _leaving_less(ranking, experiment, base)
-    if less is None:
-        return None
-    heldout, leader = predict(experiment, base, less.best), ranking.best
-    if heldout.better and (not leader.causes or predict(experiment, leader, less.best).better):
-        return less, less.best, heldout
-    return None
+    """The result of ``predicting`` if left-out data call for a set that leaves less than the leading one does.
+
+    They are asked again of what leaves less than that set, ``KEPT`` times at most.
+    """
+    found, leader = None, ranking.best
+    for _ in range(KEPT):
+        less = _leaving_less(ranking, experiment, base)
+        if less is None:
+            break
+        heldout = predict(experiment, base, less.best)
+        if not heldout.better or (leader.causes and not predict(experiment, leader, less.best).better):
+            break
+        found = less, less.best, heldout
+        ranking, leader = less, less.best
+    return found
 
 
 def _leaving_less(ranking: Ranking, experiment: Experiment, base: Hypothesis) -> Ranking | None:
     """The ranking of the sets that leave less than half of the error, if the leading one leaves more than it explains
-    or the evidence is not decisively better for it, or less than a tenth of it; of those that leave only noise, if
-    there are any.
+    or the evidence is not decisively better for it, or less than a tenth of it, or clearly less (``ALIKE``), if the
+    evidence is the same but for ``CALLED``; of those that leave only noise, if there are any.
 
     Evidence gives what a set leaves a few features in each octave, whatever it is, and asks of a law each of its
     numbers. A law of many sharp numbers (frequencies, pitches, phases) may lose to no law, or to one that moves a
@@ -112,6 +119,8 @@ def _leaving_less(ranking: Ranking, experiment: Experiment, base: Hypothesis) ->
     most = TENTH if chi < MOST_OF * base.chi else MOST_OF
     even = [one.causes for one in ranking.within(DECISIVE)]
     less = [one for one in _with_less(ranking) if one.chi < most**2 * chi or one.causes in even]
+    same = [one.causes for one in ranking.within(CALLED) if one.chi * ALIKE**2 < chi]
+    less += [one for one in ranking.sets if one.causes in same and one not in less]
     noise = [one for one in less if ranking.caveats_of(one.causes).exact]
     only = ranking
     for one in ranking.sets:
@@ -119,7 +128,8 @@ def _leaving_less(ranking: Ranking, experiment: Experiment, base: Hypothesis) ->
             only = without(only, one)
     if not only.sets:
         return None
-    return leading(replace(only, foretold=True, called=_called(ranking)).led_by(_plainest(only)))
+    called = ranking.called if ranking.foretold else _called(ranking)
+    return leading(replace(only, foretold=True, called=called).led_by(_plainest(only)))
 
 
 def _called(ranking: Ranking) -> dict[str, float]:

@@ -136,6 +136,36 @@ def test_where_the_evidence_is_even_left_out_data_decide_about_half_of_the_error
     assert found is None, "more than half of the error"
 
 
+def test_where_the_evidence_is_the_same_left_out_data_decide_about_a_fifth_of_the_error() -> None:
+    """A pendulum's softening spring left 12 noise floors, and beside drag, with 0.4 nats less of evidence, 7."""
+    pair = ("cubic_spring", "quadratic_drag")
+    chi = {(): 9e4, ("cubic_spring",): 1.4e4, pair: 4.8e3}
+    found = left_over(("cubic_spring",), chi, ahead=0.4)
+    assert found is not None and found.best.causes == set(pair)
+    assert left_over(("cubic_spring",), chi, ahead=1.1) is None
+    assert left_over(("cubic_spring",), {**chi, pair: 1e4}, ahead=0.4) is None
+
+
+def test_left_out_data_are_asked_again_of_what_leaves_less_than_the_set_that_they_call_for(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of a pendulum the evidence called for no cause, left-out data for a cubic spring, and then for drag beside it."""
+    pair = frozenset({"cubic_spring", "quadratic_drag"})
+    chi = {frozenset(): 9e4, frozenset({"cubic_spring"}): 1.8e4, pair: 3e3}
+    sets = tuple(cast(Hypothesis, Set(causes, left)) for causes, left in chi.items())
+    given = Ranking(sets, (0.0, -2.6, -2.8), (0.87, 0.07, 0.06))
+    asked: list[tuple[frozenset[str], frozenset[str]]] = []
+
+    def predicted(experiment: object, before: Hypothesis, one: Hypothesis) -> HeldOut:
+        asked.append((before.causes, one.causes))
+        return HeldOut(1.0, 0.5, 50.0, (16.0, 70.0))
+
+    monkeypatch.setattr(naming, "predict", predicted)
+    found, best, _ = naming.predicting(cast(Any, SimpleNamespace(evidence=100.0)), sets[0], given)
+    assert best.causes == pair and (frozenset({"cubic_spring"}), pair) in asked
+    assert all(found.of_cause(name) == pytest.approx(0.5) for name in pair)
+
+
 @pytest.mark.parametrize(
     ("first", "chi"),
     [
