@@ -16,6 +16,7 @@ from msd_ident.errors import DataError, UsageError
 from msd_ident.io import constant_force, even_stamps, runs, time_unit, units
 from msd_ident.io.columns import TIME_NAMES, Columns, open_columns
 from msd_ident.io.source_options import SourceOptions
+from msd_ident.io.unsigned import signed
 from msd_ident.writing import write_text, writing_to
 
 #: Headings that are taken without being named, the first that is there; those of a joint only with their unit, as a
@@ -71,10 +72,11 @@ def read_table(path: str | os.PathLike[str], options: SourceOptions) -> Record:
     else:
         heading = table.header[chosen.force]
         f_unit, f_factor, f_note = units.of_column(units.FORCE, heading, options.force_unit, options.force_scale)
-        t_f, f = _samples(time, read[chosen.force][there])
+        values, sign = signed(read[chosen.force][there], heading)
+        t_f, f = _samples(time, values)
         f = f * f_factor
-        gap = _without_force(heading, position, read[chosen.force][there])
-        notes += [*filter(None, [f_note, gap]), *constant_force.notes(f"column {heading}", f, f_unit, x)]
+        gap = _without_force(heading, position, values)
+        notes += [*filter(None, [f_note, sign, gap]), *constant_force.notes(f"column {heading}", f, f_unit, x)]
     return from_seconds(
         t_x,
         x,
@@ -245,8 +247,9 @@ def _column(header: Sequence[str], name: str, wanted: str, default: Collection[s
         found = [i for i, column in enumerate(header) if units.stem(column) in default]
         if len(found) == 1:
             return found[0]
+        taken = f" ({', '.join(header[i] for i in found)})" if found else ""
         problem = f"{len(found)} columns" if found else "no column"
-        problem = f"{name} has {problem} called {next(iter(default))}"
+        problem = f"{name} has {problem} called {next(iter(default))}{taken}"
     elif wanted in header:
         return list(header).index(wanted)
     elif wanted.lower() in folded:
