@@ -11,6 +11,7 @@ from typing import Any
 
 from msd_ident.estimate.levels import TENTH
 from msd_ident.model.effects import LIBRARY, by_name, spoken
+from msd_ident.selection import ties
 from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.hypothesis import Causes, kinds
 from msd_ident.selection.ranking import Ranking
@@ -76,6 +77,8 @@ def assess(
         tied: causes that could replace one of those.
     """
     found = [_look(effect.name, effect.name in library, ranking, named, effect.name in tied) for effect in LIBRARY]
+    least = {name: p for causes, p in ties.in_place(ranking, named).items() for name in causes & set(tied)}
+    found = [replace(one, probability=max(one.probability, least.get(one.name, 0.0))) for one in found]
     return tuple(sorted(found, key=lambda one: (not one.held, -one.probability, one.alone)))
 
 

@@ -34,6 +34,29 @@ def tied(ranking: Ranking, name: str) -> tuple[str, ...]:
     return tuple(dict.fromkeys(found))
 
 
+def in_place(ranking: Ranking, named: Causes) -> dict[Causes, float]:
+    """Probability that sets with a rival of a named cause have at least.
+
+    That a cause or one of its rivals acts may be sure although the cause is not (``Ranking.of_any``): what it lacks is
+    a rival's. It goes to the likeliest set without the cause and with a rival, which stays no likelier than the cause.
+
+    Args:
+        ranking: sets by evidence, the leading one first.
+        named: causes of the leading set.
+    """
+    found: dict[Causes, float] = {}
+    for name in sorted(named):
+        rivals, own = tied(ranking, name), ranking.of_cause(name)
+        missing = ranking.of_any((name, *rivals)) - own - sum(ranking.of_cause(rival) for rival in rivals)
+        sets = [one.causes for one in ranking.sets if by_name(name).cause() not in kinds(one.causes)]
+        sets = [causes for causes in sets if not causes.isdisjoint(rivals)]
+        if missing > ROUNDING and sets:
+            likeliest = max(sets, key=ranking.of_set)
+            least = min(ranking.stated(likeliest) + missing, own)
+            found[likeliest] = max(found.get(likeliest, 0.0), least)
+    return found
+
+
 def _instead(ranking: Ranking, name: str) -> list[str]:
     """Causes of the few nearest sets beside which one of the leading set is not certain (``Caveats.instead``)."""
     others = ranking.leader_caveats.instead.get(name, {})

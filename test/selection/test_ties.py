@@ -6,9 +6,11 @@ import pytest
 from setrigs import BASE, fitted, ranked, steps
 
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
+from msd_ident.model.effects.cubic_spring import CubicSpring
+from msd_ident.model.effects.gravity import Gravity
 from msd_ident.model.effects.stribeck_friction import StribeckFriction
 from msd_ident.selection.ranking import DECISIVE
-from msd_ident.selection.ties import alternatives, tied
+from msd_ident.selection.ties import alternatives, in_place, tied
 
 
 def test_the_likelier_of_two_laws_leads_and_the_other_is_told() -> None:
@@ -24,3 +26,32 @@ def test_the_likelier_of_two_laws_leads_and_the_other_is_told() -> None:
         near = found.evidence[0] - found.evidence[1] <= DECISIVE
         assert set(alternatives(found, name)) == (other if near else set())
         assert set(tied(found, name)) == (other if near else set())
+
+
+def test_what_a_cause_lacks_of_what_is_sure_together_is_its_rivals() -> None:
+    """Gravity and a cubic spring move a joint nearly alike: one of them acts, and gravity with three quarters."""
+    found = ranked(
+        {
+            "nothing": fitted(steps(), BASE, 9000.0),
+            "gravity": fitted(steps(), BASE + Gravity(1.0), 840.0),
+            "cubic": fitted(steps(), BASE + CubicSpring(1.0), 1200.0),
+        }
+    )
+    (name,) = found.best.causes
+    beside = {"gravity": {frozenset({"cubic_spring"}): 2.5}}
+    found = found.with_caveats(found.best.causes, exact=False, clear={"gravity": 1e9}, instead=beside)
+    own, rival = found.of_cause("gravity"), found.of_cause("cubic_spring")
+    either = found.of_any(("gravity", "cubic_spring"))
+    assert name == "gravity" and tied(found, name) == ("cubic_spring",)
+    assert own == pytest.approx(0.75, abs=0.01) and rival < 0.01 and either > 0.99
+    least = in_place(found, found.best.causes)
+    assert least.keys() == {frozenset({"cubic_spring"})}
+    (p,) = least.values()
+    assert p == pytest.approx(either - own, abs=0.01)
+
+
+def test_what_adds_up_stays_as_it_is() -> None:
+    coulomb = fitted(steps(), BASE + CoulombFriction(0.1), 860.0)
+    stribeck = fitted(steps(), BASE + StribeckFriction(0.1, 0.2, 0.01), 850.0, known=30.0)
+    found = ranked({"coulomb": coulomb, "stribeck": stribeck})
+    assert in_place(found, found.best.causes) == {}
