@@ -72,15 +72,14 @@ class Experiment:
         """The same experiment with about ``keep`` samples in all.
 
         Every n-th sample is kept, but at least ``A_SWING`` samples in each swing. If these are still too many, only a
-        stretch of a record that goes on in the same way is kept.
+        stretch of a record that goes on in the same way is kept, as short as one that is like the whole.
         """
         total = sum(part.record.samples for part in self.readings)
         parts = []
         for part in self.readings:
             fewest = int(A_SWING * part.octaves.swings)
             own = max(keep * part.record.samples // total, FEWEST_READINGS)
-            few = part.thinned(max(own, fewest))
-            parts.append(few.stretch(own) if few.record.samples > 2 * own else few)
+            parts.append(_stretch(part.thinned(max(own, fewest)), own))
         return replace(self, readings=tuple(parts))
 
     def with_mean_force(self) -> Experiment:
@@ -230,3 +229,15 @@ def switched_off(model: Model) -> frozenset[str]:
     Those that an effect only states, and infinite limits, which mean that a part of the effect is absent.
     """
     return frozenset(name for effect in model.effects for name in effect.idle())
+
+
+def _stretch(few: Readings, keep: int) -> Readings:
+    """A stretch of about ``keep`` samples, or twice as many, and so on, that is like the whole; the same object if none
+    is of less than half of it.
+    """
+    while few.record.samples > 2 * keep:
+        part = few.stretch(keep)
+        if part is not few:
+            return part
+        keep *= 2
+    return few

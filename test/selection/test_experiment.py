@@ -10,12 +10,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from setrigs import BASE, pushed, rubbing
 
+from msd_ident.data.record import Record
 from msd_ident.estimate.effort import A_SWING, FEWEST_READINGS
 from msd_ident.estimate.problem import Initial
 from msd_ident.model.effects import LIBRARY, by_name
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.force_gain_nonlinearity import ForceGainNonlinearity
-from msd_ident.residuals.noise_model import NOISE_ERROR
+from msd_ident.residuals.noise_model import NOISE_ERROR, of_record
 from msd_ident.selection.experiment import SOUGHT, Experiment, formulated, switched_off, weigh
 
 
@@ -37,6 +38,21 @@ def test_a_thinned_record_keeps_enough_samples_and_enough_of_each_swing(keep: in
     samples = whole.records[0].samples
     assert min(wanted, samples) <= few.samples <= min(2 * wanted, samples)
     assert set(few.position) <= set(whole.records[0].position), "samples are left out, and none is changed"
+
+
+def test_of_many_swings_the_shortest_stretch_is_searched_that_is_like_the_whole() -> None:
+    """The largest blows come in turn from either side, 2500 samples apart: 1500 samples hold one of them at most."""
+    time = np.arange(9000) / 200.0
+    phases = np.random.default_rng(1).uniform(0.0, 2.0 * np.pi, 40)
+    force = np.sum([np.sin(2.1 * (n + 10) * time + phase) for n, phase in enumerate(phases)], axis=0)
+    blows = sum(
+        side * 30.0 * np.exp(-((time - at) ** 2) / 1e-3) for at, side in ((5, 1), (17.5, -1), (30, 1), (42.5, -1))
+    )
+    record = Record(time, 0.01 * (force + blows), time, force + blows)
+    whole = replace(pushed(), readings=(of_record(record, 1e-6),))
+    (few,) = whole.thinned(1500).records
+    assert few.samples == 3000
+    assert np.ptp(few.position) > 0.8 * np.ptp(record.position)
 
 
 def test_causes_that_cannot_act_are_not_in_the_library() -> None:
