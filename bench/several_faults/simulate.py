@@ -105,10 +105,19 @@ def write(rig: Rig, path: Path) -> None:
 
 def change(rig: Rig, other: Rig) -> float:
     """How much the readings of two rigs differ, as rms in noise levels of the first."""
-    one, two = (readings(replace(each, noise=0.0, count=0.0)) for each in (rig, other))
-    return float(np.sqrt(np.mean((one - two) ** 2)) / rig.noise_level)
+    return _differ(_noiseless(rig), other, rig.noise_level)
+
+
+def _noiseless(rig: Rig) -> np.ndarray:
+    return readings(replace(rig, noise=0.0, count=0.0))
+
+
+def _differ(read: np.ndarray, other: Rig, level: float) -> float:
+    """Rms of a noiseless reading (n,) [m] against that of another rig, in levels [m]."""
+    return float(np.sqrt(np.mean((read - _noiseless(other)) ** 2)) / level)
 
 
 def changes(rig: Rig) -> dict[str, float]:
     """How much the readings change without each fault (``change``); nothing is refitted."""
-    return {fault: change(rig, rig.without(fault)) for fault in rig.faults}
+    read = _noiseless(rig)
+    return {fault: _differ(read, rig.without(fault), rig.noise_level) for fault in rig.faults}

@@ -13,6 +13,9 @@ from scipy.integrate import solve_ivp
 from bench.several_faults import simulate
 from bench.several_faults.rig import EXPERIMENTS, FAULTS, Rig, draw
 
+#: One process compiles the simulation, which takes longer than all that it simulates.
+pytestmark = pytest.mark.xdist_group("several faults")
+
 #: Faults whose law is smooth, so that another integrator agrees to many digits.
 SMOOTH = {"cubic": 4e5, "square": 3e3, "drag": 5.0, "ripple": 0.2, "pitch": 0.004, "ripple_phase": 0.3, "offset": -0.3}
 #: A rig whose spring pushes it on: the first that this seed draws.
@@ -20,8 +23,9 @@ AWAY = 144
 TIMED = {"aging": 0.05, "tone": 0.2, "tone_frequency": 17.0, "second_mass": 0.2, "second_stiffness": 400.0}
 
 
-def rig(faults: dict[str, dict[str, float]]) -> Rig:
-    commands = np.repeat((0.0, 4.0, -3.0, 1.0), 250)
+def rig(faults: dict[str, dict[str, float]], held: int = 250) -> Rig:
+    """Steps of the force, each held for so many samples."""
+    commands = np.repeat((0.0, 4.0, -3.0, 1.0), held)
     plant = {"mass": 0.8, "damping": 1.5, "stiffness": 300.0}
     return Rig(
         seed=1, plant=plant, faults=faults, experiment="steps", commands=commands, size=4.0, rate=500.0, noise=0.0,
@@ -43,8 +47,9 @@ def by_scipy(made: Rig) -> np.ndarray:
         rest -= law.ripple * np.sin(2.0 * np.pi * x / law.pitch + law.ripple_phase)
         return [v, rest / law.mass, w, joint / law.second_mass if law.second_mass else 0.0]
 
-    for piece, force in enumerate(made.commands[::250]):
-        times = (250 * piece + np.arange(251)) / made.rate
+    held = made.commands.size // 4
+    for piece, force in enumerate(made.commands[::held]):
+        times = (held * piece + np.arange(held + 1)) / made.rate
         path = solve_ivp(rates, times[[0, -1]], state, "DOP853", times, args=(force,), rtol=1e-11, atol=1e-13).y
         found.append(path[0, :-1])
         state = path[:, -1]
@@ -53,7 +58,7 @@ def by_scipy(made: Rig) -> np.ndarray:
 
 @pytest.mark.parametrize("values", [{}, SMOOTH, TIMED, {**SMOOTH, **TIMED, "second_damping": 0.5}])
 def test_the_motion_is_that_of_another_integrator(values: dict[str, float]) -> None:
-    made = rig({"fault": values})
+    made = rig({"fault": values}, held=100)
     assert simulate.readings(made) == pytest.approx(by_scipy(made), abs=1e-9)
 
 
@@ -129,7 +134,9 @@ def test_a_draw_is_the_same_for_the_same_seed_and_has_three_to_five_faults_that_
         assert sum("friction" in values for values in made.faults.values()) <= 1
         if seed < 3:
             again = draw(seed, EXPERIMENTS[seed % 3])
-            assert again.faults == made.faults and np.array_equal(simulate.readings(again), simulate.readings(made))
+            assert again.faults == made.faults and np.array_equal(again.commands, made.commands)
+            if not seed:
+                assert np.array_equal(simulate.readings(again), simulate.readings(made))
             assert min(simulate.changes(made).values()) > 1.0
     assert kinds == set(FAULTS), "each kind comes up"
 

@@ -115,7 +115,12 @@ def test_its_values_are_found_from_another_start() -> None:
 
 @pytest.mark.usefixtures("without_copies")
 @pytest.mark.parametrize(
-    ("creep", "named"), [(0.05, "smooth_friction"), (2e-4, "smooth_friction"), (1e-5, "coulomb_friction")]
+    ("creep", "named"),
+    [
+        (0.05, "smooth_friction"),
+        pytest.param(2e-4, "smooth_friction", marks=pytest.mark.long),
+        (1e-5, "coulomb_friction"),
+    ],
 )
 def test_a_joint_that_creeps_has_no_second_mass_and_no_fading_damping(
     creep: float, named: str, asking_about: Callable[..., None]

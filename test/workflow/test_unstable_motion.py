@@ -216,7 +216,7 @@ def test_a_stretch_of_each_piece_has_samples_enough_for_a_record(samples: int) -
     np.testing.assert_array_equal(np.concatenate([part.time for part in parts]), time)
 
 
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.long)])
 def test_its_weight_is_found_and_nothing_is_certain(seed: int, asking_about: Callable[..., None]) -> None:
     """Of the whole record a tone, a force offset and friction that settles were certain; the inertia was 20 % off."""
     asking_about("gravity", "periodic_disturbance")
