@@ -54,7 +54,7 @@ def keep(record: Record, places: np.ndarray) -> Record:
 @pytest.mark.parametrize("rig", ["ecp", "sticky", "backlash", "end_stop", "odd"])
 @pytest.mark.parametrize("name", ["paper", "steps", "release", "sweep", "ramp", "random_steps"])
 def test_clean_rigs_have_no_findings(rig: str, name: str) -> None:
-    findings = check(experiment(name, rig))
+    findings = check(experiment(name, rig, rate=500.0))
     assert [finding.code for finding in findings] == (["free_decay"] if name == "release" else [])
 
 
