@@ -42,11 +42,8 @@ def test_it_holds_where_it_is_strong() -> None:
 
 
 def test_it_is_found(asking_about: Callable[..., None]) -> None:
-    asking_about(
-        "friction_ripple", "coulomb_friction", "stribeck_friction", "position_dependent_friction", "friction_drift",
-        "smooth_friction", "cogging", "quadratic_drag",
-    )  # fmt: skip
-    time = np.arange(4000) / 500.0
+    asking_about("friction_ripple", "coulomb_friction", "position_dependent_friction", "smooth_friction", "cogging")
+    time = np.arange(3000) / 500.0
     random = np.random.default_rng(8)
     force = random.uniform(-8.0, 8.0, 16)[np.arange(time.size) // 250]
     measured = from_samples(time, force, np.zeros(time.size))

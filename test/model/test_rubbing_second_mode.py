@@ -66,7 +66,7 @@ def test_friction_on_the_second_mass_takes_energy_and_never_gives_any() -> None:
 
 
 def test_its_values_are_found_from_another_start() -> None:
-    measured = record(rate=500.0, duration=1.5)
+    measured = record(rate=250.0, duration=1.0)
     truth = plant() + RubbingSecondMode(0.15, 900.0, 0.4, 0.4, 0.001)
     seen = replace(measured, position=Simulator(truth, measured).positions(truth.values))
     start = plant().with_values({"mass": 1.05 * MASS}) + RubbingSecondMode(0.1, 700.0, 0.6, 0.25, 0.005)
