@@ -14,6 +14,8 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from _pytest.assertion import rewrite
+from _pytest.assertion.rewrite import assertstate_key
 from hypothesis import settings
 from hypothesis.internal.conjecture import providers
 
@@ -39,10 +41,19 @@ LONGEST = (
     "test_fooled", "test_pipeline", "cli/", "estimate/", "test_laws", "test_lottery", "msd_sim/test_node",
 )  # fmt: skip
 
-#: What makes a fresh checkout compile; done in two seconds where that is done.
+#: What makes a fresh checkout compile, in two processes that take about as long; in two seconds where that is done. The
+#: solver is most of it: the other compiles the rig and what the solver does not need.
 COMPILING = (
-    "from msd_ident.workflow.warming import warm_up; warm_up()",
-    "from msd_sim.rig import Rig; from msd_sim.truth import Truth; Rig(Truth(1.0, 1.0, 100.0, {})).sample([0.0])",
+    "from msd_ident.model import solver; solver.LIBRARY.load()",
+    """
+from msd_sim.rig import Rig
+from msd_sim.truth import Truth
+from msd_ident.compiled import Library, folders, loading
+from msd_ident.workflow import warming
+Rig(Truth(1.0, 1.0, 100.0, {})).sample([0.0])
+missing = [one.declared_in for one in Library.known if not folders.object_file(one).exists()]
+loading.build_here([name for name in missing if name != "msd_ident.model.solver"])
+""",
 )
 
 _claim = pytest.StashKey[ExitStack]()
@@ -69,8 +80,20 @@ def pytest_sessionstart(session: pytest.Session) -> None:
     """Compile solver, fits and rig once, where several test processes would begin by compiling each its own."""
     if getattr(session.config.option, "numprocesses", None) and not hasattr(session.config, "workerinput"):
         works = [subprocess.Popen([sys.executable, "-c", code], cwd=REPOSITORY) for code in COMPILING]
+        _rewrite(session.config)
         for work in works:
             work.wait()
+
+
+def _rewrite(config: pytest.Config) -> None:
+    """Rewrite the assertions of all tests, where none did: half of what collecting takes, in each process anew."""
+    state = config.stash[assertstate_key]
+    for path in [] if sys.dont_write_bytecode else sorted((REPOSITORY / "test").rglob("*.py")):
+        kept = rewrite.get_cache_dir(path) / f"{path.stem}{rewrite.PYC_TAIL}"
+        named = path.name.startswith("test_") or path.name == "conftest.py"
+        if named and not kept.exists() and rewrite.try_makedirs(kept.parent):
+            found, code = rewrite._rewrite_test(path, config)
+            rewrite._write_pyc(state, code, found, kept)
 
 
 @pytest.hookimpl(wrapper=True)
