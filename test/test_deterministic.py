@@ -14,6 +14,7 @@ from msd_ident import parallel
 from msd_ident.data.record import Record
 from msd_ident.design import Proposal, check, profile_search
 from msd_ident.diagnosis import Diagnosis
+from msd_ident.selection import replication
 from msd_ident.workflow.pipeline import diagnose
 from msd_sim import lottery
 from msd_sim.api import simulate
@@ -46,16 +47,13 @@ def proposal() -> Proposal:
     return checked()
 
 
-@pytest.fixture(scope="module")
-def diagnosis() -> Diagnosis:
-    with parallel.limited_to(1):
-        found = diagnose([poor_record()])
-    assert found.next_experiment is not None and found.calibration is not None
-    return found
-
-
-def test_clock_and_cores(proposal: Proposal, diagnosis: Diagnosis, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("copies", [2, pytest.param(replication.COPIES, marks=pytest.mark.long)])
+def test_clock_and_cores(copies: int, proposal: Proposal, monkeypatch: pytest.MonkeyPatch) -> None:
     """A clock on which any budget of time is used up at once, and four threads in place of one."""
+    monkeypatch.setattr(replication, "COPIES", copies)
+    with parallel.limited_to(1):
+        diagnosis = diagnose([poor_record()])
+    assert diagnosis.next_experiment is not None and diagnosis.calibration is not None
     for name in CLOCKS:
         clock = getattr(time, name)
         monkeypatch.setattr(time, name, lambda clock=clock: 1000.0 * clock())
@@ -71,8 +69,14 @@ def test_budget_is_work(proposal: Proposal, monkeypatch: pytest.MonkeyPatch) -> 
     assert 0 < len(proposed().considered) < everything
 
 
-#: A rig whose two causes are surer than digits can tell, so that nothing but their names orders them.
+#: A rig whose two causes are surer than digits can tell, so that nothing but their names orders them; a few causes are
+#: asked about.
 _DIAGNOSED = """
+from dataclasses import replace
+from msd_ident.diagnosis import searching
+asked = frozenset(("coulomb_friction", "quadratic_drag", "stribeck_friction", "fading_damping", "hysteresis"))
+prepare = searching.prepare
+searching.prepare = lambda task: replace(prepare(task), asked=asked)
 from msd_ident.data.record import Record
 from msd_ident.workflow.pipeline import diagnose
 from msd_sim import lottery
