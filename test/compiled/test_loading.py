@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -39,7 +40,7 @@ for name, values in (
     model = Plant(1.0, 1.0, 100.0) + by_name(name).from_values(dict(zip(names, values, strict=True)))
     print(simulate(model, record, 0.01, 0.1).position.tolist())
 """
-#: Peaks of a wave, in a process whose machine code cannot be linked.
+#: Peaks of a wave, in a process whose machine code cannot be linked; the library has no function but that.
 UNLINKED = """
 import sys
 import numpy as np
@@ -47,7 +48,9 @@ from msd_ident.compiled import loading
 def fails(library, code):
     raise RuntimeError("cannot be linked")
 loading.linked = fails
-from msd_ident.data.compiled import peaks
+from msd_ident.data.compiled import LIBRARY, peaks
+for name in set(LIBRARY.functions) - {"peaks"}:
+    del LIBRARY.functions[name]
 print(peaks(np.sin(np.linspace(0.0, 20.0, 200)), 0.1).tolist(), "numba" in sys.modules)
 """
 
@@ -122,11 +125,19 @@ def test_a_warm_start_says_nothing() -> None:
     assert said == []
 
 
+@cache
+def damped_step_code() -> bytes:
+    """Compiled once for the tests of an ``xdist_group``."""
+    return build.object_code(damped_step.LIBRARY)
+
+
+@pytest.mark.xdist_group("object code")
 def test_object_code_asks_for_nothing_of_python() -> None:
-    code = build.object_code(damped_step.LIBRARY)
+    code = damped_step_code()
     assert b"PyErr" not in code.split(b"\0") and set(loading.linked(damped_step.LIBRARY, code)) == {"damped_step"}
 
 
+@pytest.mark.xdist_group("object code")
 def test_code_of_another_library_is_refused() -> None:
     with pytest.raises(RuntimeError, match="Symbols not found|Failed to materialize"):
-        loading.linked(filters.LIBRARY, build.object_code(damped_step.LIBRARY))
+        loading.linked(filters.LIBRARY, damped_step_code())
