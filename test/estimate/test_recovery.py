@@ -45,7 +45,13 @@ def test_every_effect_is_found_again(effect: str, repository: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("effect", "seed"), [("backlash", 216), ("backlash", 222), ("stribeck_friction", 7), ("stribeck_friction", 386)]
+    ("effect", "seed"),
+    [
+        ("backlash", 216),
+        pytest.param("backlash", 222, marks=pytest.mark.long),
+        ("stribeck_friction", 7),
+        pytest.param("stribeck_friction", 386, marks=pytest.mark.long),
+    ],
 )
 def test_a_fit_is_not_left_in_the_valley_next_to_its_own(effect: str, seed: int, repository: Path) -> None:
     """A play a few per cent off, a friction without its peak: 6 to 16 noise floors, and no jump leads out."""

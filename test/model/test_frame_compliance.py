@@ -44,8 +44,14 @@ def test_it_is_the_force_that_arrives() -> None:
     assert added == pytest.approx(GIVES * np.interp(measured.time, fine, arrives), abs=2e-4 * GIVES * np.ptp(held))
 
 
-@pytest.mark.parametrize("gives", [1.5e-4, -6e-5])
-@pytest.mark.parametrize("experiment", ["steps", "sweep"])
+@pytest.mark.parametrize(
+    ("experiment", "gives"),
+    [
+        ("steps", 1.5e-4),
+        ("sweep", -6e-5),
+        *(pytest.param(*other, marks=pytest.mark.long) for other in (("steps", -6e-5), ("sweep", 1.5e-4))),
+    ],
+)
 def test_it_is_found(experiment: str, gives: float, asking_about: Callable[..., None]) -> None:
     """It was a second mass of which the first was 1 % of the whole, beside a delay with 0.995."""
     asking_about("frame_compliance", "second_mode", "time_offset", "actuator_lag", "coulomb_friction")

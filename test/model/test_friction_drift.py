@@ -46,10 +46,7 @@ def test_a_held_cart_breaks_away_when_the_friction_no_longer_holds_it() -> None:
 
 @pytest.mark.parametrize("settles", [False, True])
 def test_it_is_found(settles: bool, asking_about: Callable[..., None]) -> None:
-    asking_about(
-        "coulomb_friction", "friction_drift", "settling_friction", "stiffness_drift", "position_dependent_friction",
-        "stribeck_friction", "quadratic_drag",
-    )  # fmt: skip
+    asking_about("coulomb_friction", "friction_drift", "settling_friction", "position_dependent_friction")
     time = np.arange(2000) / 250.0
     random = np.random.default_rng(8)
     force = random.uniform(-8.0, 8.0, 16)[np.arange(time.size) // 125]

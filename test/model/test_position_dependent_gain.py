@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from effect_examples import DAMPING, MASS, STIFFNESS, plant, record
@@ -51,7 +53,11 @@ def test_a_disturbance_beside_it_does_not_add_up() -> None:
 
 
 @pytest.mark.parametrize("experiment", ["steps", "sweep"])
-def test_it_is_found(experiment: str) -> None:
+def test_it_is_found(experiment: str, asking_about: Callable[..., None]) -> None:
+    asking_about(
+        "position_dependent_gain", "force_gain_nonlinearity", "force_gain_asymmetry", "cubic_spring",
+        "asymmetric_spring", "coulomb_friction",
+    )  # fmt: skip
     time = np.arange(1500) / 250.0
     random = np.random.default_rng(8)
     force = 7.0 * np.sin(2.0 * np.pi * (0.5 * time + 0.6 * time**2))

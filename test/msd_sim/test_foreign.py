@@ -45,15 +45,23 @@ def sizes() -> Sizes:
     return lottery.begun(np.random.default_rng([1, 31337]), "steps", 1000.0)[0]
 
 
-@pytest.mark.parametrize("law", ALL, ids=lambda law: law.name)
-def test_a_law_is_drawn_and_changes_the_record(law: foreign.ForeignLaw) -> None:
-    for experiment in law.experiments:
-        rig = draw(11, law, experiment)
-        assert rig.values == draw(11, law, experiment).values
-        made, plain = simulate.simulate(rig), simulate.simulate(replace(rig, law=None, encoder=Encoder()))
-        assert np.isfinite(made.reading).all() and made.reading.shape == rig.time.shape == rig.commanded().shape
-        if law.name != simulate.SMOOTH_FORCE:
-            assert np.abs(made.reading - plain.position).max() > 2.0 * rig.noise
+@pytest.mark.parametrize(
+    ("law", "experiment"),
+    [
+        pytest.param(law, experiment, marks=pytest.mark.long if turn else ())
+        for law in ALL
+        for turn, experiment in enumerate(law.experiments)
+    ],
+    ids=lambda given: getattr(given, "name", given),
+)
+def test_a_law_is_drawn_and_changes_the_record(law: foreign.ForeignLaw, experiment: str) -> None:
+    """In the first of its experiments; the others are ``long``."""
+    rig = draw(11, law, experiment)
+    assert rig.values == draw(11, law, experiment).values
+    made, plain = simulate.simulate(rig), simulate.simulate(replace(rig, law=None, encoder=Encoder()))
+    assert np.isfinite(made.reading).all() and made.reading.shape == rig.time.shape == rig.commanded().shape
+    if law.name != simulate.SMOOTH_FORCE:
+        assert np.abs(made.reading - plain.position).max() > 2.0 * rig.noise
     if "tones" not in law.experiments:
         with pytest.raises(RigError, match="expected one of"):
             draw(11, law, "tones")
