@@ -75,6 +75,7 @@ def test_records_and_table_in_an_object_store(
     assert this.reused == 2
 
 
+@pytest.mark.xdist_group("batching")  # s3fs takes seconds to import
 @pytest.mark.parametrize(
     ("path", "error", "says"),
     [
