@@ -14,8 +14,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from _pytest.assertion import rewrite
-from _pytest.assertion.rewrite import assertstate_key
 from hypothesis import settings
 from hypothesis.internal.conjecture import providers
 
@@ -80,20 +78,8 @@ def pytest_sessionstart(session: pytest.Session) -> None:
     """Compile solver, fits and rig once, where several test processes would begin by compiling each its own."""
     if getattr(session.config.option, "numprocesses", None) and not hasattr(session.config, "workerinput"):
         works = [subprocess.Popen([sys.executable, "-c", code], cwd=REPOSITORY) for code in COMPILING]
-        _rewrite(session.config)
         for work in works:
             work.wait()
-
-
-def _rewrite(config: pytest.Config) -> None:
-    """Rewrite the assertions of all tests, where none did: half of what collecting takes, in each process anew."""
-    state = config.stash[assertstate_key]
-    for path in [] if sys.dont_write_bytecode else sorted((REPOSITORY / "test").rglob("*.py")):
-        kept = rewrite.get_cache_dir(path) / f"{path.stem}{rewrite.PYC_TAIL}"
-        named = path.name.startswith("test_") or path.name == "conftest.py"
-        if named and not kept.exists() and rewrite.try_makedirs(kept.parent):
-            found, code = rewrite._rewrite_test(path, config)
-            rewrite._write_pyc(state, code, found, kept)
 
 
 @pytest.hookimpl(wrapper=True)
