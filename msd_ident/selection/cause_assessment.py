@@ -127,7 +127,8 @@ def _not_needed(name: str, alone: float, left: Left, named: Causes) -> str:
             return f"may be mistaken for {alike}; it is fitted only if one of these explains something."
         best = min(left.values())
         return (
-            f"not fitted completely: its first fits are far from the {best:.3g} noise floors of the best explanation."
+            f"not fitted completely: its first fits are far from the {best:.3g} noise floors that the best of all fitted "
+            "sets leaves."
         )
     if math.isfinite(alone) and alone > (1.0 - TENTH) * nothing:
         said = f"alone it explains nothing: {alone:.3g} of {nothing:.3g} noise floors remain."
@@ -137,5 +138,6 @@ def _not_needed(name: str, alone: float, left: Left, named: Causes) -> str:
     if named and math.isfinite(beside):
         said = f"{said[:-1]}; with the named causes {beside:.3g}, too little to justify its parameters."
     elif named and math.isfinite(left.get(named, math.nan)):
-        said = f"{said[:-1]}; the named causes leave {left[named]:.3g}."
+        more = ", more, but not by enough to justify its parameters" if alone < left[named] else ""
+        said = f"{said[:-1]}; the named causes leave {left[named]:.3g}{more}."
     return said

@@ -86,6 +86,9 @@ def test_the_reason_is_what_remains_with_and_without() -> None:
     assert said.endswith(f"; with the named causes {beside:.3g}, too little to justify its parameters.")
     apart = assessed(ranking(*ALL[:3]), {"coulomb_friction"})["quadratic_drag"].reason
     assert apart.endswith(f"; the named causes leave {floors('coulomb_friction'):.3g}.")
+    less = assessed(ranking(*ALL[:3]), {"quadratic_drag"})["coulomb_friction"].reason
+    assert floors("coulomb_friction") < floors("quadratic_drag")
+    assert less.endswith(f"leave {floors('quadratic_drag'):.3g}, more, but not by enough to justify its parameters.")
 
 
 def test_what_was_not_fitted_says_why() -> None:
@@ -93,7 +96,7 @@ def test_what_was_not_fitted_says_why() -> None:
     assert found["stribeck_friction"].reason == "could replace a named cause: this data cannot tell them apart."
     best = min(floors(*causes) for causes in ALL)
     assert found["cubic_spring"].reason.startswith("not fitted completely: its first fits are far from")
-    assert f" {best:.3g} noise floors of the best" in found["cubic_spring"].reason
+    assert f" {best:.3g} noise floors that the best of all fitted sets leaves." in found["cubic_spring"].reason
     assert math.isnan(found["cubic_spring"].alone)
     assert found["power_drag"].reason.startswith("another law of quadratic drag, which is fitted only if")
     assert found["gravity"].reason.startswith("cannot act here: it is a law of a joint")
