@@ -127,8 +127,8 @@ def _not_needed(name: str, alone: float, left: Left, named: Causes) -> str:
             return f"may be mistaken for {alike}; it is fitted only if one of these explains something."
         best = min(left.values())
         return (
-            f"not fitted completely: its first fits are far from the {best:.3g} noise floors that the best of all fitted "
-            "sets leaves."
+            f"not fitted completely: its first fits are far from the {best:.3g} noise floors that the best of all "
+            "fitted sets leaves."
         )
     if math.isfinite(alone) and alone > (1.0 - TENTH) * nothing:
         said = f"alone it explains nothing: {alone:.3g} of {nothing:.3g} noise floors remain."
