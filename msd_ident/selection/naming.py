@@ -96,8 +96,9 @@ def _foretold(ranking: Ranking, experiment: Experiment, base: Hypothesis) -> tup
 
 def _leaving_less(ranking: Ranking, experiment: Experiment, base: Hypothesis) -> Ranking | None:
     """The ranking of the sets that leave less than half of the error, if the leading one leaves more than it explains
-    or the evidence is not decisively better for it, or less than a tenth of it, or clearly less (``ALIKE``), if the
-    evidence is the same but for ``CALLED``; of those that leave only noise, if there are any.
+    or the evidence is not decisively better for it, or less than a tenth of it; of those that leave only noise, if
+    there are any; where there is none, of those that leave clearly less (``ALIKE``) with the same evidence but for
+    ``CALLED``.
 
     Evidence gives what a set leaves a few features in each octave, whatever it is, and asks of a law each of its
     numbers. A law of many sharp numbers (frequencies, pitches, phases) may lose to no law, or to one that moves a
@@ -119,8 +120,7 @@ def _leaving_less(ranking: Ranking, experiment: Experiment, base: Hypothesis) ->
     most = TENTH if chi < MOST_OF * base.chi else MOST_OF
     even = [one.causes for one in ranking.within(DECISIVE)]
     less = [one for one in _with_less(ranking) if one.chi < most**2 * chi or one.causes in even]
-    same = [one.causes for one in ranking.within(CALLED) if one.chi * ALIKE**2 < chi]
-    less += [one for one in ranking.sets if one.causes in same and one not in less]
+    less = less or [one for one in ranking.within(CALLED) if one.chi * ALIKE**2 < chi]
     noise = [one for one in less if ranking.caveats_of(one.causes).exact]
     only = ranking
     for one in ranking.sets:
