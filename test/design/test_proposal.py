@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -76,8 +77,9 @@ def test_no_tie_no_design() -> None:
     assert design(stepped("", "", 0.0), LIMITS) is None
 
 
-def test_what_no_profile_parts_gets_a_measurement() -> None:
+def test_what_no_profile_parts_gets_a_measurement(looking_for: Callable[..., None]) -> None:
     """A force offset of a linear rig is a shifted zero: an identity."""
+    looking_for("force_offset", "coulomb_friction", "quadratic_drag", "actuator_lag")
     found = check(stepped("", "", 0.0), LIMITS)
     assert found is not None and "force_offset" in found.names
     assert any("force_offset" in said and "tilt the rig" in said for said in found.measurements)
