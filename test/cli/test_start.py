@@ -35,7 +35,7 @@ def _printed(code: str, *arguments: object) -> str:
 @pytest.mark.parametrize("command", USELESS_FOR)
 def test_a_command_on_a_table_imports_nothing_that_it_has_no_use_for(tmp_path: Path, command: str) -> None:
     """A second mass and a ripple are tried on this record, and so are all laws of the library."""
-    path = written(tmp_path / "rubbing.csv", rate=250, effects={"coulomb_friction": {"coulomb_force": 0.2}})
+    path = written(tmp_path / "rubbing.csv", effects={"coulomb_friction": {"coulomb_force": 0.2}})
     code = "import sys; from msd_ident.cli.main import main; assert main() == 0; print(*sys.modules)"
     shown = _printed(code, command, path)
     assert path.name in shown
@@ -46,7 +46,7 @@ def test_a_command_on_a_table_imports_nothing_that_it_has_no_use_for(tmp_path: P
 
 
 def test_the_help_lists_all_commands_in_their_order_after_one_of_them_ran(tmp_path: Path) -> None:
-    path = written(tmp_path / "rubbing.csv", rate=250)
+    path = written(tmp_path / "rubbing.csv")
     code = """
 import sys
 from msd_ident.cli import main
@@ -62,7 +62,7 @@ print(*(command.name for command in main.app.registered_commands))
 
 def test_the_collector_of_garbage_does_not_run_while_a_command_is_loaded(tmp_path: Path) -> None:
     """Each run looks through all that was imported: they took a twentieth of msd identify."""
-    path = written(tmp_path / "rubbing.csv", rate=250, effects={"coulomb_friction": {"coulomb_force": 0.2}})
+    path = written(tmp_path / "rubbing.csv", effects={"coulomb_friction": {"coulomb_force": 0.2}})
     code = """
 import gc
 from msd_ident.cli import main

@@ -74,7 +74,7 @@ def test_a_stiff_law_gets_steps_that_carry_it(tmp_path: Path, monkeypatch: pytes
     """A ripple of a tenth of a millimetre, sampled at 100 Hz: one step a sample would blow up."""
     monkeypatch.chdir(tmp_path)
     model = effect_examples.plant() + effect_examples.by_name("hysteresis")(0.5, 1e-5)
-    record = measured(model, effect_examples.record(100.0, duration=1.0))
+    record = measured(model, effect_examples.record(100.0, duration=3.0))
     for name in ("mujoco", "python"):
         out = tmp_path / f"rig{target(name).suffixes[0]}"
         found = export(replace(saved(model), rate=100.0), target(name), out, Options(), (record,))
@@ -415,7 +415,7 @@ def test_other_refusals(tmp_path: Path) -> None:
 def test_no_limit_of_the_force_is_none_in_every_file(tmp_path: Path) -> None:
     """Without a limit and without a bend the gain does nothing: XML has no word for it, Python has infinity."""
     model = effect_examples.plant() + effect_examples.by_name("force_gain_nonlinearity")(0.0, math.inf)
-    record = measured(model, effect_examples.record(1000.0, duration=1.5))
+    record = measured(model, effect_examples.record(1000.0, duration=1.0))
     for name in ("mujoco", "mujoco-xml", "python"):
         out = tmp_path / f"{name.replace('-', '_')}{target(name).suffixes[0]}"
         found = export(saved(model), target(name), out, Options(), (record,))

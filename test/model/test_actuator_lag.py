@@ -20,7 +20,7 @@ PLANT, LAG = Plant(1.0, 4.0, 400.0), ActuatorLag(0.05)
 SAID = "actuator_lag is equivalent to a motor's back-EMF behind its inductance, where a voltage drives it"
 
 
-@pytest.mark.parametrize("brake", [pytest.param(0.5, marks=pytest.mark.long), 4.0])
+@pytest.mark.parametrize("brake", [0.5, 4.0])
 def test_a_motor_with_inductance_is_a_lag_and_its_mass_is_within_what_is_said(
     brake: float, asking_about: Callable[..., None]
 ) -> None:

@@ -66,7 +66,7 @@ def test_the_inertia_stays_positive_within_its_range() -> None:
     assert most * 0.04 < 1.0
 
 
-@pytest.mark.parametrize("slope", [pytest.param(3.0, marks=pytest.mark.long), -6.0])
+@pytest.mark.parametrize("slope", [3.0, -6.0])
 def test_a_crank_under_a_sine_has_no_bent_spring_and_no_drift(slope: float, asking_about: Callable[..., None]) -> None:
     """A sine whose amplitude grows: an asymmetric spring with 99.8 % and a sensor that drifts with 96 %."""
     asking_about(

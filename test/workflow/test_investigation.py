@@ -299,11 +299,7 @@ def test_bad_input(
     assert said.startswith(line) and "\n" not in said
 
 
-@pytest.mark.parametrize(
-    "asked",
-    [("coulomb_friction", "force_gain_nonlinearity", "hysteresis"), pytest.param((), marks=pytest.mark.long)],
-    ids=["three causes", "whole library"],
-)
+@pytest.mark.parametrize("asked", [LIKEST, pytest.param((), marks=pytest.mark.long)], ids=["likest", "whole library"])
 def test_investigate_and_design_by_command(
     asked: tuple[str, ...],
     asking_about: Callable[..., None],
