@@ -164,10 +164,10 @@ def test_a_cause_that_explains_less_than_is_left_is_no_likelier_than_not(
 def test_a_cause_is_no_surer_than_it_stands_out_of_what_the_set_leaves(
     experiment: Experiment, left: float, odds: float
 ) -> None:
-    """Friction leaves 28 of 400 noise floors, drag beside it ``left``, which may move like the drag."""
+    """Friction leaves 28 of 100 noise floors, drag beside it ``left``, which may move like the drag."""
     found = ranked(
         {
-            "nothing": fitted(experiment, BASE, 840.0 * 400.0**2),
+            "nothing": fitted(experiment, BASE, 840.0 * 100.0**2),
             "friction": fitted(experiment, BASE + CoulombFriction(0.1), 840.0 * 28.5**2),
             "both": fitted(experiment, BASE + CoulombFriction(0.1) + QuadraticDrag(1.0), 840.0 * left**2),
         }
