@@ -36,7 +36,7 @@ def resampled(slow: Record, times: int, early: int = 0) -> Record:
     )
 
 
-@pytest.mark.parametrize("early", [0, 1])
+@pytest.mark.parametrize("early", [0, 1, -1])
 def test_of_a_resampled_table_the_samples_are_found_again(early: int) -> None:
     slow = sweep(100.0)
     found = without_repeats(resampled(slow, 10, early))
@@ -96,3 +96,45 @@ def test_parameters_are_those_of_the_samples_that_were_taken() -> None:
     (finding,) = [one for one in examine(resampled(slow, 10)).findings if one.code == "held_samples"]
     assert "only every 10 samples (10 ms)" in finding.sentence
     assert "the table was resampled; only new readings are used" in finding.sentence
+
+
+def read_at(fast: Record, places: np.ndarray) -> Record:
+    """The record with each reading held until the next of these places."""
+    last = np.maximum(np.searchsorted(places, np.arange(fast.samples), side="right") - 1, 0)
+    return replace(fast, position=fast.position[places[last]])
+
+
+@pytest.mark.parametrize("every", [2, 3, 33])
+def test_a_force_of_every_sample_is_kept_however_seldom_the_encoder_is_read(every: int) -> None:
+    fast = sweep(1000.0)
+    held = read_at(fast, np.arange(0, fast.samples, every))
+    found = without_repeats(replace(held, hold="zero", hold_known=False))
+    assert found.every == every and np.array_equal(found.record.force, fast.force)
+    places = np.searchsorted(fast.time, found.record.time)
+    assert np.allclose(found.record.position, fast.position[places], atol=20.0 / 226600)
+
+
+def test_a_reading_that_comes_a_sample_early_or_late_is_no_rest() -> None:
+    fast = sweep(1000.0)
+    gaps = np.random.default_rng(3).choice([9, 10, 11], size=fast.samples // 9)
+    places = np.concatenate(([0], np.cumsum(gaps)))
+    found = without_repeats(read_at(fast, places[places < fast.samples])).record
+    known = np.searchsorted(fast.time, found.time)
+    assert np.max(np.abs(found.position - fast.position[known])) < 10.0 / 226600
+
+
+def test_where_new_readings_come_unevenly_it_is_said_and_all_are_used() -> None:
+    fast = sweep(1000.0)
+    gaps = np.random.default_rng(3).choice([2, 3, 6], size=fast.samples // 2)
+    places = np.concatenate(([0], np.cumsum(gaps)))
+    record = read_at(fast, places[places < fast.samples])
+    assert without_repeats(record).record is record
+    (finding,) = [one for one in examine(record).findings if one.code == "held_samples"]
+    assert finding.sentence.endswith("; record it at the rate at which it is read")
+
+
+def test_a_cart_that_follows_a_staircase_of_the_force_is_read_as_often_as_it_was() -> None:
+    levels = np.repeat(10.0 * np.sin(0.3 * np.arange(60)), 10)
+    time = 0.1 * np.arange(levels.size)
+    record = Record(time, np.round(levels / 0.01) * 1e-4, time, levels, hold="zero", hold_known=False)
+    assert without_repeats(record).record is record
