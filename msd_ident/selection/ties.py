@@ -35,25 +35,27 @@ def tied(ranking: Ranking, name: str) -> tuple[str, ...]:
 
 
 def in_place(ranking: Ranking, named: Causes) -> dict[Causes, float]:
-    """Probability that sets with a rival of a named cause have at least.
+    """Probability that sets with a rival in the place of a named cause have at least.
 
     That a cause or one of its rivals acts may be sure although the cause is not (``Ranking.of_any``): what it lacks is
-    a rival's. It goes to the likeliest set without the cause and with a rival, which stays no likelier than the cause.
+    a rival's. It goes to the likeliest set of the other named causes and one rival, which stays no likelier than the
+    cause. All of these sets and the leading one exclude each other.
 
     Args:
         ranking: sets by evidence, the leading one first.
         named: causes of the leading set.
     """
     found: dict[Causes, float] = {}
+    free = 1.0 - ranking.stated(named)
     for name in sorted(named):
-        rivals, own = tied(ranking, name), ranking.of_cause(name)
+        rivals, own, rest = tied(ranking, name), ranking.of_cause(name), named - {name}
         missing = ranking.of_any((name, *rivals)) - own - sum(ranking.of_cause(rival) for rival in rivals)
-        sets = [one.causes for one in ranking.sets if by_name(name).cause() not in kinds(one.causes)]
-        sets = [causes for causes in sets if not causes.isdisjoint(rivals)]
+        sets = [one.causes for one in ranking.sets if one.causes in [rest | {rival} for rival in rivals]]
         if missing > ROUNDING and sets:
             likeliest = max(sets, key=ranking.of_set)
-            least = min(ranking.stated(likeliest) + missing, own)
-            found[likeliest] = max(found.get(likeliest, 0.0), least)
+            before = ranking.stated(likeliest)
+            found[likeliest] = max(before, min(before + missing, own, free))
+            free -= found[likeliest]
     return found
 
 

@@ -9,6 +9,7 @@ from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.cubic_spring import CubicSpring
 from msd_ident.model.effects.gravity import Gravity
 from msd_ident.model.effects.stribeck_friction import StribeckFriction
+from msd_ident.selection.certainty import certain
 from msd_ident.selection.ranking import DECISIVE
 from msd_ident.selection.ties import alternatives, in_place, tied
 
@@ -48,6 +49,27 @@ def test_what_a_cause_lacks_of_what_is_sure_together_is_its_rivals() -> None:
     assert least.keys() == {frozenset({"cubic_spring"})}
     (p,) = least.values()
     assert p == pytest.approx(either - own, abs=0.01)
+
+
+def test_a_rival_stands_beside_the_other_named_causes_and_all_sets_exclude_each_other() -> None:
+    """Friction is sure, and so it is beside the spring that may stand in the place of gravity."""
+    rub = CoulombFriction(0.1)
+    found = ranked(
+        {
+            "nothing": fitted(steps(), BASE, 90000.0),
+            "gravity": fitted(steps(), BASE + Gravity(1.0) + rub, 840.0),
+            "cubic": fitted(steps(), BASE + CubicSpring(1.0) + rub, 1000.0),
+            "alone": fitted(steps(), BASE + CubicSpring(1.0), 1400.0),
+        }
+    )
+    both = frozenset({"gravity", "coulomb_friction"})
+    assert found.best.causes == both
+    beside = {"gravity": {frozenset({"cubic_spring"}): 2.5}}
+    found = found.with_caveats(both, exact=False, clear={"gravity": 1e9, "coulomb_friction": 1e9}, instead=beside)
+    least = in_place(found, both)
+    assert least.keys() == {frozenset({"cubic_spring", "coulomb_friction"})}
+    assert found.stated(both) + sum(least.values()) <= 1.0 + 1e-9
+    assert certain(found.of_cause("coulomb_friction"))
 
 
 def test_what_adds_up_stays_as_it_is() -> None:

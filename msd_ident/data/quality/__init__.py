@@ -69,8 +69,8 @@ class Examined:
 
     Attributes:
         given: as it came.
-        record: without what no motion makes (``clean``), without repeated readings (``without_repeats``), and without
-            what a long gap parts from the rest.
+        record: without what a long gap parts from the rest, without repeated readings (``without_repeats``), and then
+            without what no motion makes (``clean``).
         findings: all of them, the worst first.
     """
 
