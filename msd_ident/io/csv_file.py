@@ -247,9 +247,8 @@ def _column(header: Sequence[str], name: str, wanted: str, default: Collection[s
         found = [i for i, column in enumerate(header) if units.stem(column) in default]
         if len(found) == 1:
             return found[0]
-        taken = f" ({', '.join(header[i] for i in found)})" if found else ""
         problem = f"{len(found)} columns" if found else "no column"
-        problem = f"{name} has {problem} called {next(iter(default))}{taken}"
+        problem = f"{name} has {problem} called {next(iter(default))}"
     elif wanted in header:
         return list(header).index(wanted)
     elif wanted.lower() in folded:
