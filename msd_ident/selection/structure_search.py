@@ -17,6 +17,7 @@ from msd_ident.estimate.effort import KEPT, LOOK
 from msd_ident.estimate.levels import MOST_OF
 from msd_ident.estimate.problem import Initial
 from msd_ident.model import Model
+from msd_ident.model.effects import by_name
 from msd_ident.selection import starting_points
 from msd_ident.selection.fitted_sets import FittedSets, named
 from msd_ident.selection.hypothesis import COULOMB, NOTHING, Causes, Hypothesis
@@ -264,12 +265,14 @@ class Search(FittedSets):
         """Fit sets again through observers (``observer``), if all sets leave far more than noise: with a cart that
         sticks they may be in wrong minima.
 
-        The leading sets, and those of one law that leave least. Not in copies that begin with what was fitted to the
+        The leading sets, and those of one law, the likeliest before any data first: in wrong minima all leave about as
+        much. Not in copies that begin with what was fitted to the
         measured records.
         """
         if self._least.chi < FAR * self.experiment.evidence or self.experiment.begun:
             return
-        alone = sorted((one for one in self.sets.values() if len(one.causes) == 1), key=lambda one: one.chi)
+        alone = [one for one in self.sets.values() if len(one.causes) == 1]
+        alone.sort(key=lambda one: (-by_name(*one.causes).prior_odds, one.chi))
         ahead = {one.causes: one for one in (*self._fronts(self._leader()), *alone) if can_follow(one.model)}
         for causes, one in list(ahead.items())[:KEPT]:
             if causes not in self.followed and not self.at_floor(self._least):

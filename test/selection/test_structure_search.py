@@ -23,9 +23,13 @@ from msd_ident.model.effects.cubic_spring import CubicSpring
 from msd_ident.model.effects.drive_damping import DriveDamping
 from msd_ident.model.effects.end_stop import EndStop
 from msd_ident.model.effects.force_gain_nonlinearity import ForceGainNonlinearity
+from msd_ident.model.effects.friction_drift import FrictionDrift
+from msd_ident.model.effects.friction_ripple import FrictionRipple
 from msd_ident.model.effects.position_dependent_friction import PositionDependentFriction
 from msd_ident.model.effects.quadratic_drag import QuadraticDrag
+from msd_ident.model.effects.settling_friction import SettlingFriction
 from msd_ident.model.effects.stiffness_drift import StiffnessDrift
+from msd_ident.model.effects.stribeck_friction import StribeckFriction
 from msd_ident.model.effects.time_offset import TimeOffset
 from msd_ident.residuals.noise_model import prepare
 from msd_ident.selection import structure_search
@@ -423,3 +427,27 @@ def test_copies_that_begin_with_known_fits_are_not_followed_through_observers(
     monkeypatch.setattr(structure_search.starting_points, "starts", lambda *given: [])
     search._follow_readings()
     assert asked == ([] if begun else [frozenset({"coulomb_friction"})])
+
+
+def test_of_laws_that_leave_as_much_the_likeliest_before_any_data_are_followed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A breakaway force of 4.8 times the sliding one: in wrong minima ripples and drifts of the friction left less."""
+    data = steps()
+    search = Search(data, lambda found: False, lambda *told: None)
+    laws = (
+        CoulombFriction(0.1),
+        StribeckFriction(0.1, 0.5, 0.01),
+        FrictionRipple(0.1, 0.05, 0.01, 0.0),
+        FrictionDrift(0.1, 0.01),
+        SettlingFriction(0.1, 0.1, 1.0),
+    )
+    search._know([fitted(data, BASE, 1e9), *(fitted(data, BASE + law, 5e8 - 1e7 * i) for i, law in enumerate(laws))])
+    asked = []
+
+    def follow(experiment: object, causes: frozenset[str], *rest: object) -> Hypothesis:
+        asked.append(causes)
+        return search.sets[causes]
+
+    monkeypatch.setattr(structure_search, "followed", follow)
+    monkeypatch.setattr(structure_search.starting_points, "starts", lambda *given: [])
+    search._follow_readings()
+    assert frozenset({"stribeck_friction"}) in asked
