@@ -22,8 +22,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 import numpy.typing as npt
 from numba import njit
-
-from msd_sim import dormand_prince
+from scipy.integrate import DOP853
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -60,10 +59,8 @@ FARTHEST = 1e4
 RUNS_AWAY, CHATTERS = 1, 2
 
 _STAGES, _STATES = 12, 6
-_A = np.zeros((_STAGES, _STAGES))
-_A[np.tril_indices(_STAGES, -1)] = [weight for row in dormand_prince.A for weight in row]
-_B, _C = np.array(dormand_prince.B), np.array(dormand_prince.C)
-_E3, _E5 = np.array(dormand_prince.E3), np.array(dormand_prince.E5)
+_A, _B, _C = (np.ascontiguousarray(table) for table in (DOP853.A, DOP853.B, DOP853.C))
+_E3, _E5 = np.ascontiguousarray(DOP853.E3), np.ascontiguousarray(DOP853.E5)
 _REVERSAL, _EDGE, _SLOWEST, _BREAKAWAY = 0, 1, 2, 3
 
 

@@ -9,7 +9,6 @@ import pytest
 from scipy.linalg import expm
 from scipy.special import airy, ellipj
 
-from msd_sim import kernel
 from msd_sim.api import simulate
 from msd_sim.truth import Truth
 
@@ -238,10 +237,3 @@ def test_linear_hold_joins_the_commands_by_straight_lines():
     t1, t2, t3 = (np.maximum(TIME - at, 0.0) for at in (0.5, 1.0, 1.5))
     closed = (8.0 * t1**3 - 16.0 * t2**3 + 8.0 * t3**3) / 6.0 / 0.8
     assert np.abs(seen - closed).max() < 1e-12
-
-
-def test_the_integrators_table_is_that_of_scipy():
-    from scipy.integrate import DOP853
-
-    for name in ("_A", "_B", "_C", "_E3", "_E5"):
-        assert np.array_equal(getattr(kernel, name), getattr(DOP853, name[1:])), name
