@@ -114,11 +114,13 @@ def test_a_force_of_every_sample_is_kept_however_seldom_the_encoder_is_read(ever
     assert np.allclose(found.record.position, fast.position[places], atol=20.0 / 226600)
 
 
-def test_a_reading_that_comes_a_sample_early_or_late_is_no_rest() -> None:
+@pytest.mark.parametrize("usual", [(2, 3), (9, 10, 11)])
+def test_a_reading_that_comes_a_sample_early_or_late_is_no_rest(usual: tuple[int, ...]) -> None:
     fast = sweep(1000.0)
-    gaps = np.random.default_rng(3).choice([9, 10, 11], size=fast.samples // 9)
+    gaps = np.random.default_rng(3).choice(usual, size=fast.samples // usual[0])
     places = np.concatenate(([0], np.cumsum(gaps)))
     found = without_repeats(read_at(fast, places[places < fast.samples])).record
+    assert found.samples < 1.1 * fast.samples / np.mean(usual)
     known = np.searchsorted(fast.time, found.time)
     assert np.max(np.abs(found.position - fast.position[known])) < 10.0 / 226600
 

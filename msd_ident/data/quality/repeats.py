@@ -59,7 +59,7 @@ def without_repeats(record: Record) -> Renewed:
     if every < 2 or np.sum(size[moving & (size > 1)]) <= _PART * record.samples:
         return Renewed(record, 0)
     least, most = np.percentile(size[moving], (10.0, 90.0))
-    if most - least > max(_EVEN * every, 1.0) or every == 2 < most:
+    if most - least > max(_EVEN * every, 1.0):  # at a rate that is no whole part of the record's, one sample is usual
         return Renewed(record, every)
     resting = np.concatenate(([True], ~moving, [True])) & (np.diff(change, prepend=0, append=record.samples) > most)
     return Renewed(_renewed(record, change, resting, every), every)
