@@ -57,8 +57,8 @@ def chosen(experiment: Experiment, base: Hypothesis, ranking: Ranking, calibrate
             ranking, best, heldout = naming.predicting(experiment, base, replace(ranking, unchecked=True))
     else:
         ranking = replace(ranking, unchecked=True)  # what left-out data do not confirm is not certain
-    ranking = with_left_out(ranking, experiment, best, heldout)
     scale = scale_from(list(ranking.sets), experiment.readings)
+    ranking = with_left_out(ranking, best, heldout, scale)
     alike = gain_laws.alike(experiment, best, scale)
     if (law := gain_laws.leading(best, alike, scale)) is not best:
         told = predict(experiment, base, law)

@@ -266,8 +266,7 @@ class Search(FittedSets):
         sticks they may be in wrong minima.
 
         The leading sets, and those of one law, the likeliest before any data first: in wrong minima all leave about as
-        much. Not in copies that begin with what was fitted to the
-        measured records.
+        much. Not in copies that begin with what was fitted to the measured records.
         """
         if self._least.chi < FAR * self.experiment.evidence or self.experiment.begun:
             return

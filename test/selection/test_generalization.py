@@ -13,6 +13,7 @@ from msd_ident.model.effects.cubic_spring import CubicSpring
 from msd_ident.selection import doubts
 from msd_ident.selection.certainty import certain
 from msd_ident.selection.cross_validation import HeldOut
+from msd_ident.selection.evidence import scale_from
 from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.generalization import with_left_out
 from msd_ident.selection.ranking import Ranking
@@ -35,7 +36,8 @@ def judged(experiment: Experiment, times: float, *, rich: bool = True) -> tuple[
     ranking = replace(ranking, rich=rich)
     error = see(ranking.best.residuals())
     heldout = HeldOut(100.0 * error, times * error, 100.0 - times, (50.0, 99.0))
-    return ranking, with_left_out(ranking, experiment, ranking.best, heldout)
+    scale = scale_from(list(ranking.sets), experiment.readings)
+    return ranking, with_left_out(ranking, ranking.best, heldout, scale)
 
 
 def test_what_left_out_data_leave_is_what_a_cause_must_stand_out_from(experiment: Experiment) -> None:
@@ -59,4 +61,5 @@ def test_a_little_more_error_is_usual_and_of_a_poor_experiment_copies_decide(
 def test_the_base_model_has_no_cause_to_doubt(experiment: Experiment) -> None:
     ranking, _ = judged(experiment, 7.0)
     base = next(one for one in ranking.sets if not one.causes)
-    assert with_left_out(ranking, experiment, base, HeldOut(1.0, 1.0, 0.0, (0.0, 0.0))) is ranking
+    scale = scale_from(list(ranking.sets), experiment.readings)
+    assert with_left_out(ranking, base, HeldOut(1.0, 1.0, 0.0, (0.0, 0.0)), scale) is ranking

@@ -410,14 +410,9 @@ def test_copies_that_begin_with_known_fits_take_no_round_of_pairs(begun: bool, m
     assert walked == [True] and paired == ([] if begun else [True])
 
 
-@pytest.mark.parametrize("begun", [False, True])
-def test_copies_that_begin_with_known_fits_are_not_followed_through_observers(
-    begun: bool, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    data = replace(steps(), begun=begun)
-    search = Search(data, lambda found: False, lambda *told: None)
-    search._know([fitted(data, BASE, 1e9), fitted(data, BASE + CoulombFriction(0.1), 5e8)])
-    asked = []
+def sets_followed(search: Search, monkeypatch: pytest.MonkeyPatch) -> list[frozenset[str]]:
+    """The sets that a search fits through observers."""
+    asked: list[frozenset[str]] = []
 
     def follow(experiment: object, causes: frozenset[str], *rest: object) -> Hypothesis:
         asked.append(causes)
@@ -426,6 +421,17 @@ def test_copies_that_begin_with_known_fits_are_not_followed_through_observers(
     monkeypatch.setattr(structure_search, "followed", follow)
     monkeypatch.setattr(structure_search.starting_points, "starts", lambda *given: [])
     search._follow_readings()
+    return asked
+
+
+@pytest.mark.parametrize("begun", [False, True])
+def test_copies_that_begin_with_known_fits_are_not_followed_through_observers(
+    begun: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    data = replace(steps(), begun=begun)
+    search = Search(data, lambda found: False, lambda *told: None)
+    search._know([fitted(data, BASE, 1e9), fitted(data, BASE + CoulombFriction(0.1), 5e8)])
+    asked = sets_followed(search, monkeypatch)
     assert asked == ([] if begun else [frozenset({"coulomb_friction"})])
 
 
@@ -441,13 +447,5 @@ def test_of_laws_that_leave_as_much_the_likeliest_before_any_data_are_followed(m
         SettlingFriction(0.1, 0.1, 1.0),
     )
     search._know([fitted(data, BASE, 1e9), *(fitted(data, BASE + law, 5e8 - 1e7 * i) for i, law in enumerate(laws))])
-    asked = []
-
-    def follow(experiment: object, causes: frozenset[str], *rest: object) -> Hypothesis:
-        asked.append(causes)
-        return search.sets[causes]
-
-    monkeypatch.setattr(structure_search, "followed", follow)
-    monkeypatch.setattr(structure_search.starting_points, "starts", lambda *given: [])
-    search._follow_readings()
+    asked = sets_followed(search, monkeypatch)
     assert frozenset({"stribeck_friction"}) in asked
