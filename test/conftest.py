@@ -69,7 +69,9 @@ def pytest_configure(config: pytest.Config) -> None:
     if hasattr(config, "workerinput"):
         config.stash[_claim].enter_context(parallel.limited_to(1))
     os.environ["ROS_DOMAIN_ID"] = str(config.stash[_claim].enter_context(private_domain(next(_next_domain))))
-    os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
+    # ROS's own range LOCALHOST would add shared memory to what the file says.
+    os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "SYSTEM_DEFAULT"
+    os.environ["FASTRTPS_DEFAULT_PROFILES_FILE"] = str(REPOSITORY / "test" / "loopback.xml")
     # A run in the background begins with SIGINT ignored, and so would every process that a test interrupts.
     signal.signal(signal.SIGINT, signal.default_int_handler)
 

@@ -9,7 +9,9 @@ from collections.abc import Iterator
 
 import pytest
 
-pytest.importorskip("rclpy", reason="no ROS 2 here")
+rclpy = pytest.importorskip("rclpy", reason="no ROS 2 here")
+
+from rclpy.executors import SingleThreadedExecutor  # noqa: E402
 
 from msd_ident.cancellation import Cancelled, raise_if_cancelled  # noqa: E402
 from msd_ident.ros.common import worker as worker_module  # noqa: E402
@@ -117,6 +119,22 @@ def test_the_worker_that_goes_first_does_not_rest(workers: tuple[Worker, Worker]
     first.submit(counting)
     assert counting.goes_on()
     end.set()
+
+
+def test_what_waits_is_dropped_though_nothing_spins_any_more(ros_domain: int) -> None:
+    """A node ends in this order: what spins first. Somebody who waited is not woken, and nothing is raised."""
+    context = rclpy.Context()
+    rclpy.init(context=context, domain_id=ros_domain, args=[])
+    executor, worker, told = SingleThreadedExecutor(context=context), Worker("ends"), threading.Event()
+    end = held(worker)
+    future = worker.submit(print, executor)
+    future.add_done_callback(lambda _: told.set())
+    executor.shutdown()
+    worker.close(patience=0.0)
+    assert future.cancelled() and not told.is_set()
+    end.set()
+    assert worker.close()
+    context.try_shutdown()
 
 
 @pytest.mark.parametrize(

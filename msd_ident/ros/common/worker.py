@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import TypeVar
 
+from rclpy.exceptions import InvalidHandle
 from rclpy.executors import Executor
 from rclpy.task import Future
 
@@ -42,10 +43,10 @@ class _Job:
     stop: threading.Event = field(default_factory=threading.Event)
 
 
-def deliver(give: Callable[[object], None], what: object) -> None:
-    """Give a future its result. An executor that has been shut down cannot wake those who wait: there are none left."""
-    with suppress(AttributeError):
-        give(what)
+def deliver(end: Callable[..., None], *outcome: object) -> None:
+    """End a future, with its outcome. An executor that has been shut down cannot wake those who wait: none is left."""
+    with suppress(AttributeError, InvalidHandle):
+        end(*outcome)
 
 
 class Worker:
@@ -119,7 +120,7 @@ class Worker:
             self._jobs.clear()
             self._changed.notify_all()
         for job in dropped:
-            job.future.cancel()
+            deliver(job.future.cancel)
         self._thread.join(patience)
         return not self._thread.is_alive()
 
