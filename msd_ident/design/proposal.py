@@ -192,12 +192,11 @@ def _proposed(question: Question, diagnosis: Diagnosis, called: Sequence[str], v
     pair = _closest_pair(option)
     left = refits[pair[0]][pair[1]]
     assert left is not None
-    hardest = _hardest(
-        option, (called[pair[0]], called[pair[1]]), left, (question.sensing.noise, diagnosis.adequacy.ratio)
-    )
+    beyond = diagnosis.adequacy.ratio
+    hardest = _hardest(option, (called[pair[0]], called[pair[1]]), left, (question.sensing.noise, beyond))
     low, high, speed = safety.extremes(question.predictors, option.grid.record)
     moved = _moved((low, high), speed, length)
-    sentence = f"{_sentence(option, called, verb, unit)} {hardest} {moved}"
+    sentence = f"{_sentence(option, called, verb, unit, beyond)} {hardest} {moved}"
     looked = sorted(found.all, key=lambda one: -one.probability)
     return Proposal(
         profile=option.profile,
@@ -265,19 +264,18 @@ def _hardest(option: Option, pair: tuple[str, str], left: Refitted, floors: tupl
     )
 
 
-def _sentence(option: Option, called: Sequence[str], verb: str, unit: str) -> str:
-    """What to do and why, in words; ``unit`` of the force."""
+def _sentence(option: Option, called: Sequence[str], verb: str, unit: str, beyond: float = 1.0) -> str:
+    """What to do and why, in words; ``unit`` of the force, ``beyond``: noise floors that the model leaves."""
     profile = option.profile
     low, high = profile.extremes
     force = f"with {low:.3g} to {high:.3g} {unit}" if low < high else "without force"
     what = "tell" if verb == "parts" else "show"
     aim = " or ".join(called) if verb == "parts" else ", ".join(called[1:])
-    promise = f"It should {what} {aim} with probability {option.probability:.2f}."
+    chance = f"{option.probability:.2f}" if option.probability < 0.995 else "above 0.99"
+    promise = f"It should {what} {aim} with probability {chance}"
     if option.probability < HOPELESS:
-        promise = (
-            f"No profile within the limits is likely to {what} {aim}; this one does with probability "
-            f"{option.probability:.2f}."
-        )
+        promise = f"No profile within the limits is likely to {what} {aim}; this one does with probability {chance}"
+    promise += ", if one of these is the law of the rig." if verb == "parts" and beyond > ALIKE else "."
     return f"Play {profile.name!r} for {profile.duration:.1f} s {force}: {why(profile.name)}. {promise}"
 
 

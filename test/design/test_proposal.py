@@ -167,4 +167,8 @@ def test_a_measurement_that_cannot_tell_promises_nothing() -> None:
         assert words in said and ("It should" in said) == (probability > 0.5)
         hardest = _hardest(option, ("A", "B"), left, (1e-5, 50.0))
         assert "they differ by up to 200 noise levels (the model leaves 50), at 1.0 s." in hardest
+    sure = parted([[0.0, 9.0], [9.0, 0.0]], [1.0, 0.999])
+    assert _sentence(sure, ("A", "B"), "parts", "N").endswith("A or B with probability above 0.99.")
+    beyond = _sentence(sure, ("A", "B"), "parts", "N", 2.0)
+    assert beyond.endswith("with probability above 0.99, if one of these is the law of the rig.")
     assert _moved((-1.0, 2.0), 3.0, "rad").startswith("The joint will turn -1 to 2 rad from its start, at 3 rad/s at")
