@@ -127,7 +127,8 @@ def _left(lead: str, left: Remainders) -> str:
     """How much stays unexplained, and whether that is more than the tolerance."""
     found, part = left.extended, _part(left)
     if not found.seen:
-        missing = f"any slow missing force is {force(found, left.force_unit)}{part}"
+        of = "of " if math.isnan(found.force) else ""
+        missing = f"any slow missing force is {of}{force(found, left.force_unit)}{part}"
         return f"{lead}, the residual is consistent with noise: {missing}."
     tolerance = f"{'more' if left.exceeds else 'less'} than the tolerance of {left.tolerance_percent:g} %"
     return (

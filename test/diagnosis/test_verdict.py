@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -80,6 +82,13 @@ def test_the_words(name: Any, causes: list[Cause], remainder: Remainders, words:
     for part in words:
         assert part in said
     assert ("DEPENDS" in said) == ("DEPENDS" in words)
+
+
+def test_a_missing_force_without_a_scale_is_of_unknown_size() -> None:
+    noise = left(0.0, seen=False)
+    noise = replace(noise, extended=replace(noise.extended, force=math.nan, force_percent=math.nan))
+    said = verdict.summary("adequate", [], noise, GAIN, ("", ""))
+    assert said.endswith("consistent with noise: any slow missing force is of unknown size.")
 
 
 def test_a_leading_explanation_that_is_not_named_is_said_with_the_reason() -> None:

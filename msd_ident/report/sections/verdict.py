@@ -64,7 +64,8 @@ def _left(found: Diagnosis) -> Card:
     left = found.left.extended
     _, force = words.remainder(found)
     value = Marked("remainder.extended.motion_percent", left.motion_percent, f"{number(left.motion_percent, 2)} %")
-    seen = "missing force" if left.seen else "not detected; any slow missing force is"
+    of = " of" if math.isnan(left.force) else ""
+    seen = f"missing force{of}" if left.seen else f"not detected; any slow missing force is{of}"
     return Card("of the motion unexplained", value, f"{seen} {force}", "extended")
 
 
