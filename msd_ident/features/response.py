@@ -87,7 +87,7 @@ def step_response(record: Record, onset: Onset, noise: Noise, earlier: Response 
     if found is None:
         begin = initial if earlier is None else rest_value(_last_before(record, onset), noise)
         shape = fit_shape(time - onset.time, position, begin, onset.time_std, noise.floor) if still else None
-        if shape is None or not _believable(shape, float(time[-1] - time[0]), float(np.ptp(position))):
+        if shape is None or not _believable(shape, time, float(np.ptp(position))):
             return None
         frequency, ratio, rest = shape.natural_frequency, shape.damping_ratio, _end_of(shape, settled, time)
     else:
@@ -191,9 +191,18 @@ def _slowest(shape: Shape) -> float:
     return shape.natural_frequency.value * (1.0 / (ratio + math.sqrt(ratio**2 - 1.0)) if ratio > 1.0 else ratio)
 
 
-def _believable(shape: Shape, duration: float, swing: float) -> bool:
-    """Whether the fitted response follows the data and ends within sight of it."""
-    return shape.see < 0.05 * swing and _slowest(shape) * duration > 0.7
+def _believable(shape: Shape, time: FloatArray, swing: float) -> bool:
+    """Whether the fitted response follows the data, ends within sight of it, and is no faster than samples show.
+
+    A swing of ωn beyond half the sampling rate is of no plant: the search ran away, as where a step ends at once.
+
+    Args:
+        shape: the fitted response.
+        time: (n,) [s] of the readings.
+        swing: greatest reading minus least [m].
+    """
+    shown = shape.natural_frequency.value * float(np.median(np.diff(time))) < math.pi
+    return shown and shape.see < 0.05 * swing and _slowest(shape) * float(time[-1] - time[0]) > 0.7
 
 
 def _end_of(shape: Shape, settled: Quantity | None, time: FloatArray) -> Quantity:

@@ -54,7 +54,8 @@ class Identification:
         two_peak_form: the paper's, from two peaks a step (eqs. 3 to 9); ``None`` where no response has two.
         original: the linear model, from the two-peak form (or else the standard form) by eqs. 11–13, or fitted where
             there are no features.
-        paper_refined: the same with friction raised to the least SEE; ``None`` for several records or no features.
+        paper_refined: the same with friction raised to the least SEE; ``None`` for several records, no features, or an
+            original model whose SEE is not finite.
         refined: the joint refit.
         noise_floor: rms that noise and encoder step leave with the true model, in the position unit.
         missing_samples: position samples that the stamps say are missing.
@@ -97,13 +98,16 @@ class Identification:
 
     @property
     def see_reduction_percent(self) -> float:
-        """Reduction of the SEE by the joint refit in per cent, eq. 15."""
-        return see_reduction(self.original.see, self.refined.see)
+        """Reduction of the SEE by the joint refit in per cent, eq. 15; NaN where the original model's is not finite."""
+        return self._reduction(self.refined)
 
     @property
     def paper_see_reduction_percent(self) -> float:
         """Reduction of the SEE by the paper's own path in per cent, eq. 15; NaN where it does not apply."""
-        return see_reduction(self.original.see, self.paper_refined.see) if self.paper_refined else math.nan
+        return self._reduction(self.paper_refined) if self.paper_refined else math.nan
+
+    def _reduction(self, made: ModelFit) -> float:
+        return see_reduction(self.original.see, made.see) if math.isfinite(self.original.see) else math.nan
 
     def to_json_dict(self) -> dict[str, Any]:
         """The contract ``msd.identification/1`` without ``path``."""

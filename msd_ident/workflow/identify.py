@@ -86,9 +86,10 @@ def identify(
     two_peaks = pool(found.two_peak_form for found in features)
     original = _original(records, two_peaks or form, joint, options)
     progress("raising the friction", 0.8)
-    raised = _raised(records, original) if form is not None and len(records) == 1 else None
+    usable = form is not None and len(records) == 1 and math.isfinite(original.see)
+    raised = _raised(records, original) if usable else None
     floor = noise_floor(records)
-    warnings = prepared.warnings + decision.said + _doubts(joint, records, floor)
+    warnings = prepared.warnings + decision.said + _runaway(original) + _doubts(joint, records, floor)
     progress("done", 1.0)
     return Identification(
         records=records,
@@ -212,6 +213,16 @@ def _stated(result: FitResult, record: Record) -> dict[str, Quantity]:
     if FRICTION_FORCE in parameters and record.position_unit == "m":
         parameters["friction_coefficient"] = result.derived(lambda p: p[FRICTION_FORCE] / (p["mass"] * GRAVITY), "1")
     return parameters
+
+
+def _runaway(original: ModelFit) -> tuple[str, ...]:
+    """A sentence where the original model's simulation leaves the range of numbers."""
+    if math.isfinite(original.see):
+        return ()
+    return (
+        "The original model has no finite error, because its simulation leaves the range of numbers; the reduction of "
+        "the error (eq. 15) and the raised friction are left out.",
+    )
 
 
 def _doubts(joint: FitResult, records: tuple[Record, ...], floor: float) -> tuple[str, ...]:

@@ -164,3 +164,20 @@ def test_drag_makes_damping_fall_with_amplitude_and_dry_friction_makes_it_rise()
     )
     assert dry == sorted(dry) and dry[-1] > 1.1 * dry[0]
     assert drag == sorted(drag, reverse=True) and drag[-1] < 0.9 * drag[0]
+
+
+def test_a_lag_of_first_order_has_no_natural_frequency() -> None:
+    """No reading shows the inertia, so the search for ωn ran away, to 3e12 rad/s."""
+    time = np.arange(0.0, 8.0, 5e-3)
+    after = [np.maximum(time - at, 0.0) for at in (1.0, 4.5)]
+    position = 0.03 * (np.exp(-after[1]) - np.exp(-after[0]))
+    noise = 1e-5 * np.random.default_rng(1).standard_normal(time.size)
+    force = np.where((time > 1.0) & (time < 4.5), 0.3, 0.0)
+    found = extract(from_samples(time, force, position + noise))
+    assert found.standard_form is None and found.kind == "none"
+
+
+def test_an_overdamped_plant_that_the_samples_show_keeps_its_standard_form() -> None:
+    rig = Rig(frequency=30.0, ratio=3.0, gain=1e-2)
+    form = extract(record(rig, TIME, [(0.5, 4.0), (6.5, 0.0)], noise=5e-6)).standard_form
+    assert form is not None and form.natural_frequency.value == pytest.approx(30.0, rel=0.05)

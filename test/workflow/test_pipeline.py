@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+import io
 import json
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from rich.console import Console
 
 from msd_ident.cli.results import jsonable
 from msd_ident.data.record import Record, from_samples
 from msd_ident.errors import DataError, UsageError
+from msd_ident.features import response
 from msd_ident.io import SourceOptions, read
+from msd_ident.report import markdown, page
+from msd_ident.report.tables import print_identification
 from msd_ident.workflow.identification import Identification
 from msd_ident.workflow.pipeline import Options, identify
 from msd_sim.api import simulate
@@ -186,3 +192,36 @@ def test_measured_axis_agrees_with_the_published_values(shared_data: Path) -> No
     assert values["offset_force"].value == pytest.approx(-3.1648, rel=0.15)
     rest = found.refined.predicted[0] - found.records[0].position
     assert math.sqrt(float(np.mean(rest**2))) <= 2.6e-3
+
+
+def creeping() -> Record:
+    """A lag of first order: no reading shows its inertia."""
+    time = np.arange(0.0, 8.0, 5e-3)
+    after = [np.maximum(time - at, 0.0) for at in (1.0, 4.5)]
+    noise = 1e-5 * np.random.default_rng(1).standard_normal(time.size)
+    force = np.where((time > 1.0) & (time < 4.5), 0.3, 0.0)
+    return from_samples(time, force, 0.03 * (np.exp(-after[1]) - np.exp(-after[0])) + noise)
+
+
+def test_a_plant_whose_inertia_no_reading_shows_is_fitted() -> None:
+    found = identify([creeping()])
+    assert found.standard_form is None
+    assert found.refined.parameters["stiffness"].value == pytest.approx(10.0, rel=0.01)
+    assert found.refined.parameters["damping"].value == pytest.approx(10.0, rel=0.01)
+
+
+def test_an_original_model_that_runs_away_leaves_the_reduction_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(response, "_believable", lambda *_: True)
+    found = identify([creeping()])
+    assert found.standard_form is not None and found.standard_form.natural_frequency.value > 1e6
+    assert found.paper_refined is None and math.isfinite(found.refined.see)
+    assert any("has no finite error" in sentence for sentence in found.warnings)
+    told = json.loads(json.dumps(jsonable(found.to_json_dict()), allow_nan=False))
+    assert told["see_reduction_percent"] is None and told["original"]["see_m"] is None
+    console = Console(file=io.StringIO(), width=80)
+    print_identification(found, console)
+    shown = console.file.getvalue()  # type: ignore[attr-defined]
+    read = re.sub(r"<script.*?</script>", "", page.render([found]), flags=re.DOTALL)  # plotly's own text
+    for text in (shown, read, markdown.render([found])):
+        assert not re.search(r"\b(nan|NaN)\b", text)
+    assert re.search(r"SEE reduction +– +– ", shown)

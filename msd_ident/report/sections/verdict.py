@@ -74,7 +74,8 @@ def identification_verdict(found: Identification) -> Section:
     scale = length_scale(max(found.noise_floor, 1e-3 * found.original.see), found.records[0].position_unit)
     before = marked.length("original.see_m", found.original.see, scale)
     after = marked.length("refined.see_m", found.refined.see, scale)
-    less = f"{number(found.see_reduction_percent, 3)} % less (eq. 15)"
+    reduction = found.see_reduction_percent
+    less = f"{number(reduction, 3)} % less (eq. 15)" if math.isfinite(reduction) else found.refined.method
     floor = marked.length("noise_floor_m", found.noise_floor, scale)
     near = found.refined.see <= 2.0 * found.noise_floor
     context = {

@@ -114,9 +114,11 @@ def differences(one: Estimate, other: Estimate) -> tuple[str, ...]:
 def sentence(estimate: Estimate) -> str:
     """The refined parameters and what they leave, in one line."""
     values = ", ".join(f"{p.symbol or p.name} = {p.value:.4g} {p.unit}".rstrip() for p in estimate.refined)
+    less = estimate.see_reduction_percent
+    below = f", {less:.0f} % below the linear model" if math.isfinite(less) else ""
     return (
-        f"{values}; SEE {estimate.see_refined:.3g} {estimate.position_unit}, {estimate.see_reduction_percent:.0f} % "
-        f"below the linear model, from {estimate.samples} samples of {estimate.source}"
+        f"{values}; SEE {estimate.see_refined:.3g} {estimate.position_unit}{below}, from {estimate.samples} samples of "
+        f"{estimate.source}"
     )
 
 
