@@ -7,6 +7,10 @@ from collections.abc import Sequence
 from msd_ident.model.base_model import Offset
 from msd_ident.model.effects import by_name
 from msd_ident.selection.candidate_models import CandidateModel
+from msd_ident.tuning import fixed
+
+#: Below this probability the best profile is not worth playing, and only a measurement or other limits help.
+IN_VAIN = fixed(0.005, "interface", "the least probability of a decision that is not shown as 0.00")
 
 
 def measurement(one: CandidateModel, other: CandidateModel) -> str:

@@ -11,6 +11,7 @@ import numpy as np
 from msd_ident.data.record import FloatArray
 from msd_ident.design import deciding_measurements as measurements
 from msd_ident.design import profile_search, safety
+from msd_ident.design.deciding_measurements import IN_VAIN
 from msd_ident.design.evaluation import Option, Question, exciting, family_of
 from msd_ident.design.hidden_effects import hidden
 from msd_ident.design.library import why
@@ -33,7 +34,7 @@ class Proposal:
     """A designed experiment.
 
     Attributes:
-        profile: to be played.
+        profile: to be played; the best that was found, where none is worth playing (``IN_VAIN``).
         names: what each rival is called.
         probability: that it decides, if one of the rivals is true.
         decided: (r,) the same for each rival.
@@ -45,7 +46,7 @@ class Proposal:
         pair: their indices.
         noise: of a reading [m].
         considered: (name, duration [s], probability) of every profile that was looked at, the best first.
-        sentence: what to do and why.
+        sentence: what to do and why; where no profile is worth playing, what to do instead.
         measurements: what distinguishes rivals that no profile distinguishes.
         unit, length: of force and position.
     """
@@ -188,15 +189,16 @@ def _proposed(question: Question, diagnosis: Diagnosis, called: Sequence[str], v
             "no experiment has room within these limits; expected more force, travel, speed or time: raise them"
         )
     option, refits = found.best, found.refits
-    told = _hopeless(question, found.all, called)
+    apart = _hopeless(question, found.all, called)
     pair = _closest_pair(option)
     left = refits[pair[0]][pair[1]]
     assert left is not None
     beyond = diagnosis.adequacy.ratio
     hardest = _hardest(option, (called[pair[0]], called[pair[1]]), left, (question.sensing.noise, beyond))
     low, high, speed = safety.extremes(question.predictors, option.grid.record)
-    moved = _moved((low, high), speed, length)
-    sentence = f"{_sentence(option, called, verb, unit, beyond)} {hardest} {moved}"
+    sentence = f"{_sentence(option, called, verb, unit, beyond)} {hardest} {_moved((low, high), speed, length)}"
+    if option.probability < IN_VAIN:
+        sentence = _instead(called, verb, [what for *_, what in apart])
     looked = sorted(found.all, key=lambda one: -one.probability)
     return Proposal(
         profile=option.profile,
@@ -212,7 +214,7 @@ def _proposed(question: Question, diagnosis: Diagnosis, called: Sequence[str], v
         noise=question.sensing.noise,
         considered=tuple((one.profile.name, one.profile.duration, one.probability) for one in looked),
         sentence=sentence,
-        measurements=told,
+        measurements=measurements.between(apart),
         unit=unit,
         length=length,
     )
@@ -236,8 +238,8 @@ def _closest_pair(option: Option) -> tuple[int, int]:
     return min(shown.values(), key=lambda pair: float(chi[pair]))
 
 
-def _hopeless(question: Question, found: Sequence[Option], called: Sequence[str]) -> tuple[str, ...]:
-    """What to measure for rivals that the best profile for them does not find out."""
+def _hopeless(question: Question, found: Sequence[Option], called: Sequence[str]) -> list[tuple[str, str, str]]:
+    """Rivals that the best profile for them does not find out, each with the closest one and what to measure."""
     best = np.max([option.parting.decided for option in found], axis=0)
     pairs = []
     for a in map(int, np.flatnonzero((best < HOPELESS) & (question.truths > 0.0))):
@@ -246,7 +248,7 @@ def _hopeless(question: Question, found: Sequence[Option], called: Sequence[str]
         b = int(np.argmin(chi))
         what = measurements.measurement(question.contenders[a], question.contenders[b])
         pairs.append((called[a], called[b], what))
-    return measurements.between(pairs)
+    return pairs
 
 
 def _hardest(option: Option, pair: tuple[str, str], left: Refitted, floors: tuple[float, float]) -> str:
@@ -261,6 +263,16 @@ def _hardest(option: Option, pair: tuple[str, str], left: Refitted, floors: tupl
     return (
         f"The most difficult pair is {pair[0]} and {pair[1]}: even after a refit they differ by up to {shown} "
         f"noise levels{beside}, at {option.grid.record.time[worst]:.1f} s."
+    )
+
+
+def _instead(called: Sequence[str], verb: str, told: Sequence[str]) -> str:
+    """What to do where no profile is worth playing, in words; ``told``: what to measure."""
+    what = f"tell {' or '.join(called)}" if verb == "parts" else f"show {', '.join(called[1:])}"
+    measure = f"Measure in place of it: {'; '.join(dict.fromkeys(told))}. Or allow" if told else "Allow"
+    return (
+        f"No experiment is proposed: no profile within the limits is likely to {what} (the best one with a probability "
+        f"below {2.0 * IN_VAIN:g}). {measure} more force, travel or time."
     )
 
 

@@ -27,7 +27,7 @@ from msd_ident.design import proposal as proposals
 from msd_ident.design.discrimination import Discrimination
 from msd_ident.design.evaluation import Option
 from msd_ident.design.prediction import Grid
-from msd_ident.design.proposal import _closest_pair, _hardest, _moved, _sentence
+from msd_ident.design.proposal import _closest_pair, _hardest, _instead, _moved, _sentence
 from msd_ident.design.rival_refits import Refitted
 from msd_ident.errors import UsageError
 from msd_ident.estimate import opposite_signs
@@ -83,6 +83,28 @@ def test_what_no_profile_parts_gets_a_measurement(looking_for: Callable[..., Non
     found = check(stepped("", "", 0.0), LIMITS)
     assert found is not None and "force_offset" in found.names
     assert any("force_offset" in said and "tilt the rig" in said for said in found.measurements)
+
+
+def test_where_no_profile_is_worth_playing_none_is_proposed(
+    looking_for: Callable[..., None], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    looking_for("force_offset", "coulomb_friction", "quadratic_drag", "actuator_lag")
+    monkeypatch.setattr(proposals, "IN_VAIN", 2.0)
+    found = check(stepped("", "", 0.0), LIMITS)
+    assert found is not None and found.sentence.startswith("No experiment is proposed: no profile within the limits")
+    assert "Measure in place of it: tilt the rig" in found.sentence
+    assert not any(word in found.sentence for word in ("Play", "will move", "most difficult"))
+
+
+def test_what_is_in_vain_names_measurements_once_and_limits() -> None:
+    said = _instead(("A", "B", "C"), "parts", ["hold it", "weigh it", "hold it"])
+    assert said == (
+        "No experiment is proposed: no profile within the limits is likely to tell A or B or C (the best one with a "
+        "probability below 0.01). Measure in place of it: hold it; weigh it. Or allow more force, travel or time."
+    )
+    assert _instead(("no cause", "B"), "shows", []).endswith(
+        "likely to show B (the best one with a probability below 0.01). Allow more force, travel or time."
+    )
 
 
 def test_limits_without_room() -> None:

@@ -84,6 +84,15 @@ def test_an_identification_has_a_page_too() -> None:
     assert "natural frequency" in read.seen
 
 
+def test_an_experiment_that_is_not_worth_playing_has_no_force_to_push_with() -> None:
+    found = with_everything()
+    assert found.next_experiment is not None
+    vain = replace(found, next_experiment={**found.next_experiment, "probability_of_decision": 0.004})
+    assert [any(plot.slug == "profile" for plot in page.article(one).plots) for one in (found, vain)] == [True, False]
+    shown = Reader(page.render([vain])).seen
+    assert "probability that it decides" in shown and "travel" not in shown.split("probability that it decides")[1]
+
+
 def test_the_page_is_one_small_file_that_asks_for_nothing(text: str) -> None:
     assert len(text.encode()) < page.LARGEST
     assert [address for address in Reader(text).addresses if not address.startswith(("#", "data:"))] == []

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from msd_ident.design.deciding_measurements import IN_VAIN
 from msd_ident.design.profile_file import from_tree
 from msd_ident.quantity import probability
 from msd_ident.report import words
@@ -24,8 +25,13 @@ def next_experiment(proposal: Mapping[str, Any], position_unit: str) -> Section:
         "rows": list(_rows(proposal, position_unit)),
         "measurements": list(proposal.get("measurements", ())),
     }
-    plots = (_force(proposal["profile"]),) if proposal.get("profile") else ()
+    plots = (_force(proposal["profile"]),) if proposal.get("profile") and _worthwhile(proposal) else ()
     return Section("next_experiment", "Next experiment", context, plots)
+
+
+def _worthwhile(proposal: Mapping[str, Any]) -> bool:
+    """Whether the profile is one to play."""
+    return float(proposal["probability_of_decision"]) >= IN_VAIN
 
 
 def _force(tree: Mapping[str, Any]) -> Plot:
@@ -37,11 +43,14 @@ def _force(tree: Mapping[str, Any]) -> Plot:
 
 
 def _rows(proposal: Mapping[str, Any], unit: str) -> Iterator[tuple[str, Marked | str]]:
-    yield "duration", _mark("duration_s", proposal["duration_s"], f"{number(proposal['duration_s'])} s")
+    if _worthwhile(proposal):
+        yield "duration", _mark("duration_s", proposal["duration_s"], f"{number(proposal['duration_s'])} s")
     chance = proposal["probability_of_decision"]
     yield "probability that it decides", _mark("probability_of_decision", chance, probability(chance))
     for name, value in proposal.get("decided", {}).items():
         yield f"… if it is {words.effects(name)}", _mark(f"decided.{name}", value, probability(value))
+    if not _worthwhile(proposal):
+        return
     if "travel_m" in proposal:
         low, high = proposal["travel_m"]
         scale = length_scale(max(abs(low), abs(high)), unit)
