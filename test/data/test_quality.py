@@ -323,6 +323,16 @@ def test_a_rate_a_little_too_low_is_not_told_as_high_enough() -> None:
     assert "only 11.9 samples; expected 12 or more" in finding.sentence
 
 
+def test_the_rate_that_is_asked_for_is_above_that_of_the_record() -> None:
+    """A record of 20 Hz was told to "sample at 20 Hz or faster"."""
+    motion = replace(observe(experiment()), half_period=0.2995)
+    few = replace(experiment(), time=experiment().time * 0.05 / experiment().period)
+    (finding,) = encoder.rate(few, motion)
+    assert finding.sentence.endswith("only 11.9 samples; expected 12 or more: sample at 20.1 Hz or faster")
+    (finding,) = encoder.rate(few, replace(motion, half_period=0.25))
+    assert finding.sentence.endswith("expected 12 or more: sample at 24 Hz or faster")
+
+
 def test_a_position_that_never_changes_is_an_error() -> None:
     record = experiment()
     findings = check(replace(record, position=np.full(record.samples, 0.25)))

@@ -73,8 +73,14 @@ def rate(record: Record, motion: Motion) -> Iterator[Finding]:
         yield warning(
             "low_rate",
             f"one oscillation of {period:.3g} s has only {shown:.1f} samples; expected {_FEW_SAMPLES} or more: "
-            f"sample at {_FEW_SAMPLES / period:.3g} Hz or faster",
+            f"sample at {_rounded_up(_FEW_SAMPLES / period):.3g} Hz or faster",
         )
+
+
+def _rounded_up(rate: float) -> float:
+    """To three digits, so that the rate that is asked for is enough."""
+    unit = 10.0 ** (math.floor(math.log10(rate)) - 2)
+    return math.ceil(round(rate / unit, 6)) * unit
 
 
 def _samples_an_oscillation(record: Record, motion: Motion) -> float:
