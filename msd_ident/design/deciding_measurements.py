@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from msd_ident.model.base_model import Offset
 from msd_ident.model.effects import by_name
+from msd_ident.model.joint_words import said_of
 from msd_ident.selection.candidate_models import CandidateModel
 from msd_ident.tuning import fixed
 
@@ -13,18 +14,18 @@ from msd_ident.tuning import fixed
 IN_VAIN = fixed(0.005, "interface", "the least probability of a decision that is not shown as 0.00")
 
 
-def measurement(one: CandidateModel, other: CandidateModel) -> str:
+def measurement(one: CandidateModel, other: CandidateModel, position_unit: str = "m") -> str:
     """What to measure to distinguish two explanations that no profile distinguishes, in words.
 
     Args:
         one, other: the explanations; the causes in which they differ say how they are measured
             (``Effect.measured_by``).
+        position_unit: of the rig; that of a joint (``rad``) is measured with torques.
     """
     apart = sorted({*one.causes} ^ {*other.causes})
-    if Offset.name in apart:
-        return Offset.measured_by
     told = [by_name(name).measured_by for name in apart if by_name(name).measured_by]
-    return told[0] if told else "weigh the cart, and read the force at rest"
+    what = told[0] if told else "weigh the cart, and read the force at rest"
+    return said_of(Offset.measured_by if Offset.name in apart else what, position_unit)
 
 
 def between(pairs: Sequence[tuple[str, str, str]]) -> tuple[str, ...]:

@@ -189,7 +189,7 @@ def _proposed(question: Question, diagnosis: Diagnosis, called: Sequence[str], v
             "no experiment has room within these limits; expected more force, travel, speed or time: raise them"
         )
     option, refits = found.best, found.refits
-    apart = _hopeless(question, found.all, called)
+    apart = _hopeless(question, found.all, called, length)
     pair = _closest_pair(option)
     left = refits[pair[0]][pair[1]]
     assert left is not None
@@ -238,15 +238,19 @@ def _closest_pair(option: Option) -> tuple[int, int]:
     return min(shown.values(), key=lambda pair: float(chi[pair]))
 
 
-def _hopeless(question: Question, found: Sequence[Option], called: Sequence[str]) -> list[tuple[str, str, str]]:
-    """Rivals that the best profile for them does not find out, each with the closest one and what to measure."""
+def _hopeless(
+    question: Question, found: Sequence[Option], called: Sequence[str], length: str
+) -> list[tuple[str, str, str]]:
+    """Rivals that the best profile for them does not find out, each with the closest one and what to measure;
+    ``length``: unit of the position.
+    """
     best = np.max([option.parting.decided for option in found], axis=0)
     pairs = []
     for a in map(int, np.flatnonzero((best < HOPELESS) & (question.truths > 0.0))):
         chi = np.max([option.parting.chi[a] for option in found], axis=0)
         chi[a] = np.inf
         b = int(np.argmin(chi))
-        what = measurements.measurement(question.contenders[a], question.contenders[b])
+        what = measurements.measurement(question.contenders[a], question.contenders[b], length)
         pairs.append((called[a], called[b], what))
     return pairs
 

@@ -19,6 +19,7 @@ from msd_ident.estimate.levels import NEGLIGIBLE
 from msd_ident.estimate.result import scale_known
 from msd_ident.features import extract
 from msd_ident.model.effects import by_name
+from msd_ident.model.joint_words import said_of
 from msd_ident.quantity import Quantity
 from msd_ident.residuals import dependence, nonparametric
 from msd_ident.residuals.adequacy import Adequacy, judge
@@ -118,7 +119,8 @@ def _warned(task: Task, choice: Choice, shown: Hypothesis) -> tuple[str, ...]:
     said = task.warnings + identities.sentences(shown.model, task.forced, task.gain_known)
     if choice.best.causes != choice.ranking.best.causes:
         return said
-    return said + doubts.sentences(choice.ranking) + replication.left_unchecked(choice.ranking, choice.matrix)
+    doubted = tuple(said_of(one, task.records[0].position_unit) for one in doubts.sentences(choice.ranking))
+    return said + doubted + replication.left_unchecked(choice.ranking, choice.matrix)
 
 
 def _unnamed(ranking: Ranking, best: Hypothesis, scale: NoiseScale) -> str:

@@ -18,6 +18,7 @@ from msd_ident.estimate.parameter_units import unit_in
 from msd_ident.estimate.problem import Problem
 from msd_ident.estimate.result import FitResult
 from msd_ident.estimate.see import see
+from msd_ident.model.joint_words import said_of
 from msd_ident.model.parameters import FORCES
 from msd_ident.quantity import Quantity
 
@@ -68,6 +69,8 @@ def summarise_fit(problem: Problem, outcome: Solution, floor: float, soft: float
     count = len(problem.free)
     covariance = covariance[:count, :count]
     covariance.setflags(write=False)
+    unit = problem.records[0].position_unit
+    advice = tuple(direction.sentence for direction in found) + _gain_sentence(problem)
     return FitResult(
         model=problem.model.with_values(problem.values(outcome.point)),
         quantities=_quantities(problem, outcome.point, std, found),
@@ -79,9 +82,7 @@ def summarise_fit(problem: Problem, outcome: Solution, floor: float, soft: float
         initial=problem.initials(outcome.point),
         effective_samples=effective,
         open=tuple(found),
-        open_directions=_unmoved_sentence(problem, found)
-        + tuple(direction.sentence for direction in found)
-        + _gain_sentence(problem),
+        open_directions=_unmoved_sentence(problem, found) + tuple(said_of(one, unit) for one in advice),
         converged=outcome.converged and _finite(outcome, sums.residuals),
         message=outcome.message,
     )

@@ -21,6 +21,7 @@ from msd_ident.estimate.formulation import Zero
 from msd_ident.features import StandardForm, pool
 from msd_ident.model import Simulator
 from msd_ident.model.base_model import FRICTION_FORCE
+from msd_ident.model.joint_words import said_of
 from msd_ident.paper.refinement import GRAVITY, paper_refine, record_start
 from msd_ident.quantity import Quantity
 from msd_ident.residuals import impulses
@@ -117,11 +118,12 @@ def _forceless(records: tuple[Record, ...]) -> bool:
 def _scale_sentence(records: tuple[Record, ...], options: Options) -> tuple[str, ...]:
     if not _forceless(records) or any(one.sets_scale for one in options.known):
         return ()
-    return (
+    said = (
         "No force moves the cart in this data, so m, b, k and Fc are known only as ratios; the numbers are for a "
-        "moving "
-        "mass of 1 kg. To determine all of them, push with a known force, or weigh the moving mass and give --mass.",
+        "moving mass of 1 kg. To determine all of them, push with a known force, or weigh the moving mass and give "
+        "--mass."
     )
+    return (said_of(said, records[0].position_unit),)
 
 
 def _joint(prepared: Prepared, sprung: bool, options: Options) -> tuple[FitResult, tuple[_Shifted, ...]]:

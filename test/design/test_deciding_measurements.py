@@ -40,6 +40,12 @@ def test_an_offset_is_measured_first() -> None:
     assert "by hand within the play" in measurement(called("backlash"), called("coulomb_friction"))
 
 
+def test_a_joint_is_measured_with_torques() -> None:
+    told = measurement(called("coulomb_friction"), called(), "rad")
+    assert told.startswith("turn the joint slowly with a spring balance on a lever of known length and read the torque")
+    assert "weigh" in measurement(called(), called()) and "inertia" in measurement(called(), called(), "rad")
+
+
 def test_a_sentence_for_each_pair() -> None:
     assert between([("play", "no cause", "move it"), ("lag", "delay", "hold it")]) == (
         "No profile within these limits decides between play and no cause: move it.",

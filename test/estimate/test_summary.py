@@ -64,6 +64,7 @@ def test_values_message_and_residuals_are_those_of_the_point() -> None:
         ("N", "m", ()),
         ("N·m", "rad", ()),
         ("V", "m", ("The force is in V and its gain in newtons is unknown, so mass, damping, stiffness",)),
+        ("V", "rad", ("The force is in V and its gain in N·m is unknown, so mass, damping, stiffness",)),
         ("N", "count", ("The position is in count and its scale in metres is unknown",)),
         ("V", "count", ("The force is in V and its gain", "The position is in count and its scale")),
         ("N", "rad", ("The force is in N and the position in rad, so mass, damping, stiffness, coulomb_force are known "
