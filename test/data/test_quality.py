@@ -324,13 +324,20 @@ def test_a_rate_a_little_too_low_is_not_told_as_high_enough() -> None:
 
 
 def test_the_rate_that_is_asked_for_is_above_that_of_the_record() -> None:
-    """A record of 20 Hz was told to "sample at 20 Hz or faster"."""
+    """20.03 Hz were rounded to the 20 Hz that the record has."""
     motion = replace(observe(experiment()), half_period=0.2995)
     few = replace(experiment(), time=experiment().time * 0.05 / experiment().period)
     (finding,) = encoder.rate(few, motion)
     assert finding.sentence.endswith("only 11.9 samples; expected 12 or more: sample at 20.1 Hz or faster")
     (finding,) = encoder.rate(few, replace(motion, half_period=0.25))
     assert finding.sentence.endswith("expected 12 or more: sample at 24 Hz or faster")
+
+
+def test_twelve_samples_but_for_rounding_are_enough() -> None:
+    """A record of 20 Hz with an oscillation of 0.6 s was told "only 11.9 samples"."""
+    few = replace(experiment(), time=experiment().time * 0.05 / experiment().period)
+    motion = replace(observe(experiment()), half_period=0.3 * (1.0 - 1e-12))
+    assert list(encoder.rate(few, motion)) == []
 
 
 def test_a_position_that_never_changes_is_an_error() -> None:

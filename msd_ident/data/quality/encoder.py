@@ -84,4 +84,5 @@ def _rounded_up(rate: float) -> float:
 
 
 def _samples_an_oscillation(record: Record, motion: Motion) -> float:
-    return 2 * motion.half_period / record.period if motion.half_period else np.inf
+    """Samples an oscillation, without what rounding leaves of whole ones."""
+    return round(2 * motion.half_period / record.period, 6) if motion.half_period else np.inf
