@@ -276,7 +276,7 @@ def _instead(called: Sequence[str], verb: str, told: Sequence[str]) -> str:
     measure = f"Measure in place of it: {'; '.join(dict.fromkeys(told))}. Or allow" if told else "Allow"
     return (
         f"No experiment is proposed: no profile within the limits is likely to {what} (the best one with a probability "
-        f"below {2.0 * IN_VAIN:g}). {measure} more force, travel or time."
+        f"below {IN_VAIN:g}). {measure} more force, travel or time."
     )
 
 

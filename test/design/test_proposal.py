@@ -100,10 +100,10 @@ def test_what_is_in_vain_names_measurements_once_and_limits() -> None:
     said = _instead(("A", "B", "C"), "parts", ["hold it", "weigh it", "hold it"])
     assert said == (
         "No experiment is proposed: no profile within the limits is likely to tell A or B or C (the best one with a "
-        "probability below 0.01). Measure in place of it: hold it; weigh it. Or allow more force, travel or time."
+        "probability below 0.005). Measure in place of it: hold it; weigh it. Or allow more force, travel or time."
     )
     assert _instead(("no cause", "B"), "shows", []).endswith(
-        "likely to show B (the best one with a probability below 0.01). Allow more force, travel or time."
+        "likely to show B (the best one with a probability below 0.005). Allow more force, travel or time."
     )
 
 
