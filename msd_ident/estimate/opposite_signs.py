@@ -1,4 +1,5 @@
-"""Check whether the force may push a mass away from a place, which no spring does.
+"""Signs of mass, damping and stiffness by a regression: whether the force's sign is turned, or it pushes a mass away
+from a place, which no spring does.
 
 The regression of the weak form (``estimate.weak_form``) leaves the signs of mass and stiffness open. Of a magnet that a
 controller holds in the air they differ: k·x + m·a with m < 0 < k is an unstable motion under a force whose sign is
@@ -12,8 +13,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+import numpy.typing as npt
 
-from msd_ident.data.record import Record
+from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate.effort import A_SWING
 from msd_ident.estimate.levels import BEYOND_DOUBT, FEWEST, TENTH
 from msd_ident.estimate.weak_form import WIDTHS, Means, uniform
@@ -38,11 +40,37 @@ def warning(records: Sequence[Record]) -> str:
     return ""
 
 
-def _signs(record: Record, half: int) -> tuple[float, float] | None:
-    """Mass and stiffness by a regression on bumps of ``half`` a width [samples]; None where the width does not tell.
+def turned(records: Sequence[Record]) -> bool:
+    """Whether the force pulls against the motion in the records that tell: of mass and stiffness, at least one is below
+    0 beyond doubt and none above; or the damping is, where neither is known.
 
-    It tells where the motion explains nearly all of the force and both values are beyond doubt. Neighbouring bumps
-    overlap: the errors count as those of bumps side by side.
+    So it is of an encoder, or a force, whose sign is turned. What a controller computes from the readings has such
+    signs too: a fit must confirm it.
+    """
+    told = [found for record in records for half in _NARROW if (found := _regressed(record, half)) is not None]
+    return bool(told) and all(_below(*found) for found in told)
+
+
+def _below(values: FloatArray, sure: npt.NDArray[np.bool_]) -> bool:
+    decides = sure & [True, False, True] if sure[0] or sure[2] else sure
+    return bool(np.any(decides) and np.all(values[decides] < 0.0))
+
+
+def _signs(record: Record, half: int) -> tuple[float, float] | None:
+    """Mass and stiffness, where both are beyond doubt (``_regressed``)."""
+    found = _regressed(record, half)
+    if found is None:
+        return None
+    (mass, _, stiffness), sure = found
+    return (float(mass), float(stiffness)) if sure[0] and sure[2] else None
+
+
+def _regressed(record: Record, half: int) -> tuple[FloatArray, npt.NDArray[np.bool_]] | None:
+    """Mass, damping and stiffness (3,) by a regression on bumps of ``half`` a width [samples], and which are beyond
+    doubt; None where the width does not tell.
+
+    It tells where the motion explains nearly all of the force. Neighbouring bumps overlap: the errors count as those of
+    bumps side by side.
     """
     if record.samples < A_SWING * half or not np.any(record.force):
         return None
@@ -58,6 +86,4 @@ def _signs(record: Record, half: int) -> tuple[float, float] | None:
         return None
     apart = left.size / max(record.samples / (2.0 * half), 1.0)  # bumps in the width of one
     spread = np.linalg.norm(np.linalg.pinv(scaled), axis=1) * np.sqrt(np.mean(left**2) * max(apart, 1.0))
-    mass, _, stiffness = solution[:3] / size[:3]
-    sure = np.abs(solution[[0, 2]]) > BEYOND_DOUBT * spread[[0, 2]]
-    return (float(mass), float(stiffness)) if np.all(sure) else None
+    return solution[:3] / size[:3], np.abs(solution[:3]) > BEYOND_DOUBT * spread[:3]

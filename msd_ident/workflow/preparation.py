@@ -14,8 +14,9 @@ from msd_ident.data.quality import Examined, Finding
 from msd_ident.data.quality.finding import Severity
 from msd_ident.data.record import Record
 from msd_ident.errors import DataError, UsageError
-from msd_ident.estimate import FitResult, fit
+from msd_ident.estimate import FitResult, fit, opposite_signs
 from msd_ident.estimate.base_fits import structure
+from msd_ident.estimate.levels import MOST_OF
 from msd_ident.features import Features, StandardForm, extract, pool
 from msd_ident.model import Model, Plant
 from msd_ident.model.effects.law import DELAY
@@ -93,7 +94,7 @@ def prepare(records: Sequence[Record]) -> Prepared:
     understood = tuple(_understood(one.record) for one in examined)
     features = tuple(one.features for one in understood)
     form = pool(found.standard_form for found in features)
-    turned = _is_turned(form) and (not _doubtful(understood) or _fits_turned(understood))
+    turned = _turned(form, understood)
     usable = tuple(_usable(one, turned) for one in understood)
     records, holds = _held(usable)
     warnings = (
@@ -233,6 +234,16 @@ def pushes(record: Record) -> bool:
     return bool(np.ptp(np.concatenate((before, record.force_at(record.time)))))
 
 
+def _turned(form: StandardForm | None, understood: Sequence[_Understood]) -> bool:
+    """Whether a positive force moves the encoder downwards: as the responses to steps say; where none does, as a
+    regression says and a fit confirms.
+    """
+    if form is not None and form.static_gain is not None:
+        return _is_turned(form) and (not _doubtful(understood) or _fits_turned(understood))
+    driven = [one.record for one in understood if np.ptp(one.record.force) > 0.0]
+    return opposite_signs.turned(driven) and _fits_turned(understood, MOST_OF)
+
+
 def _is_turned(form: StandardForm | None) -> bool:
     """Whether a positive force moves the encoder downwards."""
     return form is not None and form.static_gain is not None and form.static_gain.value < 0.0
@@ -246,14 +257,14 @@ def _doubtful(understood: Sequence[_Understood]) -> bool:
     return steps > 2 * sum(len(one.features.responses) for one in understood if np.ptp(one.record.force) > 0.0)
 
 
-def _fits_turned(understood: Sequence[_Understood]) -> bool:
-    """Whether a plant with dry friction fits the driven records better with their force turned."""
+def _fits_turned(understood: Sequence[_Understood], part: float = 1.0) -> bool:
+    """Whether a plant with dry friction leaves less of the driven records with their force turned: less than ``part``."""
     driven = [one for one in understood if np.ptp(one.record.force) > 0.0]
     as_it_is, other = (
         fit(structure(typical_plant(records[0]), sprung=True), records).see
         for records in ([_usable(one, turned) for one in driven] for turned in (False, True))
     )
-    return other < as_it_is
+    return other < part * as_it_is
 
 
 def _refuse_units(records: Sequence[Record]) -> None:

@@ -57,3 +57,18 @@ def test_an_open_loop_is_not(experiment: str, friction: float) -> None:
     record = Record(made.time, made.position, made.force_time, made.force)
     assert opposite_signs.warning([record]) == ""
     assert opposite_signs._signs(record, 6) is not None, "the regression tells"
+
+
+def test_a_turned_sign_is_told_of_stable_rigs_only() -> None:
+    assert opposite_signs.turned([levitated(9.0)]) and not opposite_signs.turned([levitated(-9.0)])
+    still = from_samples(np.arange(0.0, 4.0, 0.01), np.zeros(400), np.zeros(400))
+    assert not opposite_signs.turned([still]) and not opposite_signs.turned([])
+    assert opposite_signs.turned([still, levitated(9.0)]), "the other one tells"
+    assert not opposite_signs.turned([levitated(9.0), levitated(-9.0)])
+
+
+@pytest.mark.parametrize("stiffness", [0.0, 400.0])
+def test_the_damping_decides_where_neither_mass_nor_stiffness_is_known(stiffness: float) -> None:
+    values, no, yes = np.array([1.0, -2.0, stiffness]), np.array([False, True, False]), np.array([True, True, False])
+    assert opposite_signs._below(values, no) and not opposite_signs._below(values, yes)
+    assert not opposite_signs._below(values, np.zeros(3, np.bool_))

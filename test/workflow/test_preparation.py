@@ -51,3 +51,43 @@ def test_an_encoder_that_counts_the_other_way_is_still_seen() -> None:
     found = prepare([inverted_step()])
     assert found.turned
     assert any("A positive force moves the encoder downwards" in sentence for sentence in found.warnings)
+
+
+def two_tones(stiffness: float) -> Record:
+    """A rig under two sines of 4 N, at 200 Hz for 10 s, from its steady motion."""
+    rng = np.random.default_rng(2)
+    time = np.arange(0.0, 12.0, 0.005)
+    force = 4.0 * (np.sin(2.0 * np.pi * 0.8 * time) + np.sin(2.0 * np.pi * 2.1 * time))
+    still = from_samples(time, force, np.zeros(time.size))
+    moved = simulate(Plant(1.0, 6.2, stiffness), still).position + rng.normal(0.0, 1e-5, time.size)
+    return replace(still, position=moved).cut(2.0, 12.0)
+
+
+@pytest.mark.parametrize("stiffness", [0.0, 10.0, 400.0])
+def test_an_inverted_encoder_is_seen_where_no_response_shows_it(stiffness: float) -> None:
+    """A voice coil with an inverted sensor (public record), driven by a sine, had a mass 7 times too large."""
+    record = two_tones(stiffness)
+    inverted = replace(record, position=-record.position)
+    assert not prepare([record]).turned and prepare([inverted]).turned
+    found = pipeline.identify([inverted])
+    assert found.refined.model["mass"] == pytest.approx(1.0, rel=0.01)
+    assert any("A positive force moves the encoder downwards" in sentence for sentence in found.warnings)
+
+
+@pytest.mark.parametrize("spring", [0.0, 50.0])
+def test_a_controller_whose_force_is_recorded_is_no_inverted_encoder(spring: float) -> None:
+    """Its force pulls against the motion too, and in the inverted record it pushes along."""
+    rng, step, each = np.random.default_rng(3), 1e-3, 5
+    x = v = push = 0.0
+    force, position = [], []
+    for i in range(20_000):
+        if i % each == 0:
+            seen = x + 1e-6 * rng.normal()
+            push = 400.0 * (0.02 * np.sign(np.sin(np.pi * i * step / 2.0)) - seen) - 30.0 * v
+            force.append(push)
+            position.append(seen)
+        v += step * (push - 4.0 * v - spring * x)
+        x += step * v
+    record = from_samples(step * each * np.arange(len(force)), np.array(force), np.array(position))
+    assert not prepare([record]).turned
+    assert prepare([replace(record, position=-record.position)]).turned
