@@ -207,7 +207,9 @@ CASES = (
         "column that is not there", changed(_clean), 2, "has no column torque; the columns are:", ("--force", "torque")
     ),
     Case("one column taken twice", changed(_clean), 2, "column position_m is taken twice", ("--force", "position_m")),
-    Case("NaN", changed(lambda t, f, x: (t, f, put(x, 100, np.nan))), 2, "line 102, column position_m holds 'nan'"),
+    Case("NaN", changed(lambda t, f, x: (t, f, put(x, 100, np.nan))), 0, "1 of 1000 samples (0.1 %) are missing"),
+    Case("NaN as force", changed(lambda t, f, x: (t, put(f, 99, np.nan), x)), 0, "force_n is empty in 1 of the lines"),
+    Case("NaN as time", changed(lambda t, f, x: (put(t, 100, np.nan), f, x)), 2, "1 lines have no time_s; expected a"),
     Case("infinite force", changed(lambda t, f, x: (t, put(f, 7, np.inf), x)), 2, "line 9, column force_n holds 'inf'"),
     Case("word in a cell", with_line("0.2,1,abc"), 2, "line 51, column position_m holds 'abc'"),
     Case("line cut short", with_line("0.2,1"), 2, "line 51 has 2 cells; expected 3"),

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import csv
+import re
 from collections.abc import Sequence
 
 from msd_ident.io.number_marks import is_marked_number
 
 _SEPARATORS = (";", "\t", ",")
+#: What programs write for a missing number: pandas, R, C, Python, JavaScript, spreadsheets.
+_MISSING = re.compile(r"[-+]?nan(?:\((?:ind|snan)\))?|n/?a|null|none", re.IGNORECASE)
 
 
 def separator_of(line: str) -> str | None:
@@ -39,6 +42,11 @@ def is_number(text: str) -> bool:
     except ValueError:
         return is_marked_number(text)
     return True
+
+
+def is_missing(text: str) -> bool:
+    """Whether a cell has a word for a missing number; it counts as an empty one."""
+    return bool(_MISSING.fullmatch(text))
 
 
 def joined(names: Sequence[str], separator: str) -> str:

@@ -19,16 +19,14 @@ import numpy as np
 from msd_ident.data.record import FloatArray
 from msd_ident.errors import DataError
 from msd_ident.io import channel_header, date_times, units
-from msd_ident.io.cells import cells_of, is_number, joined, separator_of, split
+from msd_ident.io.cells import cells_of, is_missing, is_number, joined, separator_of, split
 from msd_ident.io.columns import TIME_NAMES
 from msd_ident.io.number_marks import with_points, without_quotes
 
 #: Larger tables are no experiment, and would fill the memory: ten million lines of three columns fit.
 MOST_MEGABYTES = 500
 _COMMENTS = ("#", "%", "//")
-#: What programs write for a missing number, in lower case. Below the last number of a column it is padding.
-_MISSING = {"na", "nan", "n/a"}
-#: The same word of spreadsheets, which begins like a comment.
+#: A word of spreadsheets for a missing number, which begins like a comment.
 _HASHED = re.compile("#N/A", re.IGNORECASE)
 #: A comment behind numbers, with a space in front; not an error of a spreadsheet (#VALUE!), nor a C library's 1.#QNAN.
 _COMMENT = re.compile(r"(?:^|(?<=\s))#(?![A-Z]+(?:/0)?[!?]).*$")
@@ -58,7 +56,7 @@ class Layout:
 
 
 class Table:
-    """The columns of a file; empty cells are NaN and marked as such.
+    """The columns of a file; an empty cell is NaN, and so is a word for a missing number (``nan``, ``NA``, ``null``).
 
     Raises:
         DataError: the file cannot be read, is empty, or has no header or no numbers.
@@ -83,7 +81,7 @@ class Table:
         return len(self._body().splitlines())
 
     def columns(self, indices: Sequence[int]) -> tuple[FloatArray, ...]:
-        """The columns as numbers, each (n,); NaN in empty cells, and in ``NA`` below the last number of a column.
+        """The columns as numbers, each (n,); NaN where there is none.
 
         Raises:
             DataError: a line that has too few or too many cells, or a cell that is no number, with its number.
@@ -106,7 +104,7 @@ class Table:
             numbers = np.loadtxt(StringIO(text), delimiter=separator, usecols=wanted, comments=None, ndmin=2)
         except ValueError:
             return None
-        return numbers if bool(np.all(np.isfinite(numbers))) else None
+        return None if bool(np.any(np.isinf(numbers))) else numbers
 
     def _body(self) -> str:
         """Text behind the header, decimal commas turned into points and thousands separators left out."""
@@ -121,7 +119,6 @@ class Table:
     def _line_by_line(self, indices: Sequence[int]) -> tuple[FloatArray, ...]:
         width = len(self.layout.header)
         rows: list[list[float]] = []
-        missing: dict[int, tuple[int, str]] = {}  # by column: line and text of the first cell that says so
         for number, line in enumerate(self._body().splitlines(), start=self.layout.first + 1):
             text = _COMMENT.sub("", _HASHED.sub("NA", line)).strip(" \r")
             if not text.strip() or text.lstrip().startswith(_COMMENTS):
@@ -131,7 +128,7 @@ class Table:
                 cells.pop()  # a separator at the end of each line
             if len(cells) != width:
                 raise self._ragged(number, len(cells))
-            rows.append([self._number(cells[index], number, index, missing) for index in indices])
+            rows.append([self._number(cells[index], number, index) for index in indices])
         if not rows:
             raise DataError(f"{self._path} has a header and no numbers; expected at least one line of them")
         return tuple(np.array(column, dtype=np.float64) for column in zip(*rows, strict=True))
@@ -144,16 +141,10 @@ class Table:
             f"{self._path} line {line} has {cells} cells; expected {width} as in the header ({names}): {advice}"
         )
 
-    def _number(self, cell: str, line: int, index: int, missing: dict[int, tuple[int, str]]) -> float:
-        text = cell.strip().strip('"')
-        if text.lower() in _MISSING:
-            missing.setdefault(index, (line, text))
+    def _number(self, cell: str, line: int, index: int) -> float:
+        text = cell.strip().strip('"').strip()
+        if not text or is_missing(text):
             return math.nan
-        if not text:
-            return math.nan
-        if index in missing:  # there is a number below it: it is no padding
-            above, word = missing[index]
-            raise self._no_number(above, word, index, f"a finite number, as line {line} below has one")
         try:
             value = float(text)
         except ValueError:
@@ -246,15 +237,19 @@ def _holds_numbers(line: str, header: str, rest: str) -> bool:
 
     It begins with one, or has one and as many cells as the header above, which are names. A number alone is a column
     where the rest has one cell a line too; several above such a column are settings, and so are names with a value.
+    A line below a header may have words for missing numbers alone.
     """
     cells, below, names = cells_of(line), _contents(rest), cells_of(header)
     found = [is_number(cell) for cell in cells if cell]
     single = [cells_of(one) for one in below]
     if len(cells) == 1:
-        return any(found) and all(len(one) == 1 for one in single)
+        word = bool(header) and is_missing(cells[0])
+        return (any(found) or word) and all(len(one) == 1 for one in single)
     if len(single) > 1 and all(len(one) == 1 and is_number(one[0]) for one in single):
         return False
-    return any(found) and (found[0] or (len(cells) == len(names) and not any(map(is_number, names))))
+    if len(cells) == len(names) and not any(map(is_number, names)):
+        return any(found) or all(map(is_missing, cells))
+    return bool(found) and found[0]
 
 
 def _contents(text: str) -> list[str]:

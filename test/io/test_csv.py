@@ -358,6 +358,37 @@ def test_empty_cells_are_no_samples(tmp_path: Path) -> None:
     assert record.samples == 40
 
 
+WORDS = ["nan", "NaN", "-nan", "NA", "N/A", "#N/A", "null", "NULL", "None", '"NA"', " nan ", "nan(ind)"]
+
+
+@pytest.mark.parametrize("word", WORDS)
+@pytest.mark.parametrize("separator", [",", ";", "\t"])
+def test_a_word_for_a_missing_number_is_an_empty_cell(tmp_path: Path, word: str, separator: str) -> None:
+    """As pandas, R, C and ROS loggers write them; a file with one was refused."""
+    for force, position, row in ((word, "", 0), ("", word, 5), (word, word, 12), (word, word, 39)):
+        rows = [list(map(str, one)) for one in ROWS]
+        empty = [list(one) for one in rows]
+        for column, said in ((1, force), (2, position)):
+            if said:
+                rows[row][column], empty[row][column] = said, ""
+        found = read_text(tmp_path, table(separator, rows=rows))
+        same = read_text(tmp_path, table(separator, rows=empty))
+        for one, other in ((found.time, same.time), (found.position, same.position), (found.force, same.force)):
+            np.testing.assert_array_equal(one, other)
+        assert found.notes == same.notes and found.samples == 40 - bool(position)
+
+
+def test_words_for_missing_numbers_in_white_space_and_in_the_first_line(tmp_path: Path) -> None:
+    rows = [("NA", "NA", "NA"), (0.0, "null", "null"), *ROWS[1:]]
+    for separator in (",", " "):
+        record = read_text(tmp_path, table(separator, rows=rows))
+        np.testing.assert_array_equal(record.position, np.array(ROWS)[1:, 2])
+    single = "position\nNone\n" + "".join(f"{x}\n" for _, _, x in ROWS)
+    record = read_text(tmp_path, single, rate=100.0, force="none")
+    np.testing.assert_array_equal(record.position, np.array(ROWS)[:, 2])
+    assert record.samples == 40
+
+
 def changed(line: int, text: str) -> str:
     """A good file with one line replaced; line 1 is the header."""
     lines = table().splitlines()
@@ -377,9 +408,12 @@ def changed(line: int, text: str) -> str:
         (changed(7, "0.05,1.5"), ["line 7 has 2 cells", "expected 3", "time_s, force_n, position_m"]),
         (changed(7, "0.05,1.5,0.1,9"), ["line 7 has 4 cells"]),
         (changed(8, "0.06,abc,0.1"), ["line 8", "column force_n holds 'abc'"]),
-        (changed(8, "0.06,1.5,nan"), ["line 8", "column position_m holds 'nan'", "finite"]),
+        (changed(8, "0.06,1.5,nano"), ["line 8", "column position_m holds 'nano'", "finite"]),
         (changed(8, "0.06,1.5,inf"), ["line 8", "'inf'"]),
+        (changed(8, "0.06,1.5,-Infinity"), ["line 8", "'-Infinity'"]),
         (changed(8, ",1.5,0.1"), ["1 lines have no time_s"]),
+        (changed(8, "nan,1.5,0.1"), ["1 lines have no time_s"]),
+        (changed(8, "None,1.5,0.1"), ["1 lines have no time_s"]),
         (table(comma=","), ["line 2 has 6 cells", "decimal points, or semicolons"]),
         (table(header="time_s,force_n,x"), ["no column called position", "time_s, force_n, x", "--position COLUMN"]),
         (table(header="time_s,f,position_m"), ["no column called force", "--force none for a free decay"]),

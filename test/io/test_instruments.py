@@ -172,12 +172,15 @@ def test_a_shorter_run_may_be_padded_with_a_word(word: str, tmp_path: Path) -> N
     assert read(path, SourceOptions("Force", "Angle, Ch 1+2", run="1")).samples == 300
 
 
-@pytest.mark.parametrize("word", ["NA", "#N/A"])
-def test_a_missing_number_in_the_middle_is_refused(word: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize("word", ["NA", "#N/A", "nan", "null"])
+def test_a_missing_number_in_the_middle_is_a_lost_sample(word: str, tmp_path: Path) -> None:
     rows = [f"{t:.2f},{x:.6f}" for t, x in zip(T, X, strict=True)]
     rows[40], rows[41] = f"{T[40]:.2f},{word}", f"{T[41]:.2f},{word}"
-    with pytest.raises(DataError, match="line 42, column position_m holds 'NA'; expected a finite number, as line 44 "):
-        read(write(tmp_path / "x.csv", ["time_s,position_m", *rows]), SourceOptions("none"))
+    record = read(write(tmp_path / "x.csv", ["time_s,position_m", *rows]), SourceOptions("none"))
+    np.testing.assert_allclose(record.time, np.delete(T, [40, 41]), atol=1e-9)
+    np.testing.assert_allclose(record.position, np.delete(X, [40, 41]), atol=1e-6)
+    assert missing_samples(record) == 2
+    assert "missing_samples" in [finding.code for finding in check(record)]
 
 
 def test_every_run_gets_its_result_on_the_command_line(tmp_path: Path) -> None:
