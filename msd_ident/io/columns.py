@@ -38,6 +38,10 @@ class Columns(Protocol):
     def lines(self) -> int:
         """Number of lines, at least roughly: what ``msd info`` shows without a time column."""
 
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What was left out or repaired in what has been read so far, in sentences."""
+
     def columns(self, indices: Sequence[int]) -> tuple[FloatArray, ...]:
         """The columns of these places, each (n,); NaN where there is no number.
 

@@ -66,7 +66,7 @@ def read_table(path: str | os.PathLike[str], options: SourceOptions) -> Record:
     )
     t_x, x = _samples(time, position)
     x = x * x_factor
-    notes = [*remarks, *filter(None, [x_note])]
+    notes = [*table.notes, *remarks, *filter(None, [x_note])]
     if chosen.force is None:
         f_unit, t_f, f = options.as_force[0] or units.of_no_force(x_unit), time[:1], np.zeros(1)
     else:

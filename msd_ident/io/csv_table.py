@@ -30,6 +30,8 @@ _COMMENTS = ("#", "%", "//")
 _HASHED = re.compile("#N/A", re.IGNORECASE)
 #: A comment behind numbers, with a space in front; not an error of a spreadsheet (#VALUE!), nor a C library's 1.#QNAN.
 _COMMENT = re.compile(r"(?:^|(?<=\s))#(?![A-Z]+(?:/0)?[!?]).*$")
+#: What is left of a number that was cut behind its sign or in its exponent.
+_STUMP = re.compile(r"[-+]\.?|\.|[-+]?[\d.,]+[eE][-+]?")
 #: Lines in which a header of keys and values is looked for.
 _HEADER_LINES = 50
 #: Characters behind the first line of numbers that are looked at for a decimal comma.
@@ -66,9 +68,10 @@ class Table:
 
     def __init__(self, path: Path) -> None:
         self._path = path
-        self._text = _MATRIX.sub(lambda found: found.group(1).replace(";", " "), _read_text(path))
+        self._text = _without_brackets(_read_text(path))
         self._first_dates: dict[int, tuple[int, str]] = {}  # by column: time [ns] and zone of its first date
         self.layout = self._find_layout()
+        self._notes = self._leave_out_cut_line()
 
     @property
     def header(self) -> tuple[str, ...]:
@@ -79,6 +82,11 @@ class Table:
     def lines(self) -> int:
         """Number of lines below the header, empty ones and comments included."""
         return len(self._body().splitlines())
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """On lines that were left out."""
+        return tuple(self._notes)
 
     def columns(self, indices: Sequence[int]) -> tuple[FloatArray, ...]:
         """The columns as numbers, each (n,); NaN where there is none.
@@ -120,10 +128,9 @@ class Table:
         width = len(self.layout.header)
         rows: list[list[float]] = []
         for number, line in enumerate(self._body().splitlines(), start=self.layout.first + 1):
-            text = _COMMENT.sub("", _HASHED.sub("NA", line)).strip(" \r")
-            if not text.strip() or text.lstrip().startswith(_COMMENTS):
+            cells = self._cells(line)
+            if not cells:
                 continue
-            cells = split(text, self.layout.separator)
             if len(cells) == width + 1 and not cells[-1].strip():
                 cells.pop()  # a separator at the end of each line
             if len(cells) != width:
@@ -132,6 +139,26 @@ class Table:
         if not rows:
             raise DataError(f"{self._path} has a header and no numbers; expected at least one line of them")
         return tuple(np.array(column, dtype=np.float64) for column in zip(*rows, strict=True))
+
+    def _cells(self, line: str) -> list[str]:
+        """Cells of a line below the header; none in an empty one or a comment."""
+        text = _COMMENT.sub("", _HASHED.sub("NA", line)).strip(" \r")
+        if not text.strip() or text.lstrip().startswith(_COMMENTS):
+            return []
+        return split(text, self.layout.separator)
+
+    def _leave_out_cut_line(self) -> list[str]:
+        """Take a last line from the text that the file ends in the middle of, as of a logger that was killed; a note.
+
+        It has no line break, and fewer cells than the others, or a last one that is not whole.
+        """
+        kept, _, last = self._text.rpartition("\n")
+        cells, at = self._cells(last), kept.count("\n") + 1
+        whole = len(cells) >= len(self.header) and last.count('"') % 2 == 0 and not _STUMP.fullmatch(cells[-1].strip())
+        if not cells or whole or at < self.layout.first:
+            return []
+        self._text = f"{kept}\n"
+        return [f"line {at + 1} was left out: the file ends in the middle of it, behind {last[-20:]!r}."]
 
     def _ragged(self, line: int, cells: int) -> DataError:
         width, names = len(self.header), ", ".join(self.header)
@@ -230,6 +257,12 @@ class Table:
         separator = separator_of(header or first)
         comma = separator != "," and any("," in line for line in numbers)
         return Layout(self._names(header, first), first_at, separator, decimal_comma=comma)
+
+
+def _without_brackets(text: str) -> str:
+    """Text without MATLAB's notation; a bracket that ends the file ends its last line too."""
+    plain = _MATRIX.sub(lambda found: found.group(1).replace(";", " "), text)
+    return f"{plain}\n" if text.rstrip(" \t\n;").endswith("]") else plain
 
 
 def _holds_numbers(line: str, header: str, rest: str) -> bool:

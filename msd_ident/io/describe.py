@@ -161,4 +161,5 @@ def _describe_table(path: Path, options: SourceOptions) -> BagInfo:
     lines = time.size or table.lines
     pace = _pace(time, 1.0)
     topics = tuple(TopicInfo(name, "column", lines, *pace) for name in columns)
-    return BagInfo(str(path), table.kind, 0, pace[0], lines, topics, position, force, problem, (), is_table=True)
+    about = (str(path), table.kind, 0, pace[0], lines, topics)
+    return BagInfo(*about, position, force, problem, table.notes, is_table=True)

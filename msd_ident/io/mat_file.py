@@ -47,6 +47,7 @@ class MatFile:
     """
 
     kind = "MAT file"
+    notes: tuple[str, ...] = ()
 
     def __init__(self, path: Path) -> None:
         self._path = path

@@ -45,6 +45,11 @@ class Run:
         """Of the table."""
         return self._table.lines
 
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Of the table."""
+        return self._table.notes
+
     def columns(self, indices: Sequence[int]) -> tuple[FloatArray, ...]:
         """The run's columns of these places."""
         return self._table.columns([self._places[index] for index in indices])

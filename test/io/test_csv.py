@@ -389,6 +389,48 @@ def test_words_for_missing_numbers_in_white_space_and_in_the_first_line(tmp_path
     assert record.samples == 40
 
 
+@pytest.mark.parametrize("end", ["0.4", "0.4,", "0.40,1.", '0.40,1.5,"0', "0.40,1.5,-", "0.40,1.5,1.2e-"])
+@pytest.mark.parametrize(("separator", "line_break"), [(",", "\n"), (",", "\r\n"), (";", "\n"), ("\t", "\n")])
+def test_a_line_that_the_file_ends_in_the_middle_of_is_left_out(
+    tmp_path: Path, end: str, separator: str, line_break: str
+) -> None:
+    """A logger that was killed; the whole file was refused."""
+    end = end.replace(",", separator)
+    record = read_text(tmp_path, (table(separator) + end).replace("\n", line_break))
+    np.testing.assert_array_equal(record.position, np.array(ROWS)[:, 2])
+    said = f"line 42 was left out: the file ends in the middle of it, behind {end!r}."
+    assert record.notes == (said,)
+    assert describe(tmp_path / "data.csv").notes == (said,)
+
+
+def test_a_cut_line_of_numbers_in_white_space_or_with_a_mark_behind_each(tmp_path: Path) -> None:
+    for text in (table(" ") + "0.4 1.", table("  ") + "0.4", table(rows=[(*row, "") for row in ROWS]) + "0.4,1.5"):
+        record = read_text(tmp_path, text)
+        np.testing.assert_array_equal(record.position, np.array(ROWS)[:, 2])
+        assert record.notes[0].startswith("line 42 was left out: ")
+
+
+def test_a_last_line_with_all_its_cells_stays(tmp_path: Path) -> None:
+    for end in ("0.4,1.5,1.6", "0.4,1.5,1.6,", "0.4,1.5,", "# stopped", "   "):
+        record = read_text(tmp_path, table() + end)
+        assert record.notes == () and record.samples == (41 if end.startswith("0.4,1.5,1") else 40)
+
+
+@pytest.mark.parametrize("end", ["0.4,1.\n", "0.4,1.\r\n", "0.4,1.\n\n", "0.4,1.5,-\n", "0.4,1.5,1.6,9"])
+def test_a_short_line_with_a_line_break_is_refused(tmp_path: Path, end: str) -> None:
+    with pytest.raises(DataError, match="line 42"):
+        read_text(tmp_path, table() + end)
+    brackets = "time_s force_n position_m\n[" + "".join(f"{t} {f} {x};\n" for t, f, x in ROWS)
+    for closed in ("0.4 1.5]", "0.4 1.5];", "0.4 1.5]\n"):
+        with pytest.raises(DataError, match="line 42 has 2 cells"):
+            read_text(tmp_path, brackets + closed)
+
+
+def test_a_header_and_a_cut_line_are_no_table(tmp_path: Path) -> None:
+    with pytest.raises(DataError, match="has a header and no numbers"):
+        read_text(tmp_path, "time_s,force_n,position_m\n0.0,1.")
+
+
 def changed(line: int, text: str) -> str:
     """A good file with one line replaced; line 1 is the header."""
     lines = table().splitlines()
