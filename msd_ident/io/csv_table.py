@@ -32,6 +32,8 @@ _HASHED = re.compile("#N/A", re.IGNORECASE)
 _COMMENT = re.compile(r"(?:^|(?<=\s))#(?![A-Z]+(?:/0)?[!?]).*$")
 #: What is left of a number that was cut behind its sign or in its exponent.
 _STUMP = re.compile(r"[-+]\.?|\.|[-+]?[\d.,]+[eE][-+]?")
+#: Digits with colons between them.
+_LIKE_TIME = re.compile(r"[\d.,]+(?::[\d.,]+)+")
 #: Lines in which a header of keys and values is looked for.
 _HEADER_LINES = 50
 #: Characters behind the first line of numbers that are looked at for a decimal comma.
@@ -69,7 +71,7 @@ class Table:
     def __init__(self, path: Path) -> None:
         self._path = path
         self._text = _without_brackets(_read_text(path))
-        self._first_dates: dict[int, tuple[int, str]] = {}  # by column: time [ns] and zone of its first date
+        self._since: dict[int, date_times.SinceFirst] = {}  # by column: its dates or times of day
         self.layout = self._find_layout()
         self._notes = self._leave_out_cut_line()
 
@@ -85,8 +87,9 @@ class Table:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """On lines that were left out."""
-        return tuple(self._notes)
+        """On lines that were left out, and on columns with times of day."""
+        of_columns = [since.note(self.header[index]) for index, since in self._since.items()]
+        return (*self._notes, *filter(None, of_columns))
 
     def columns(self, indices: Sequence[int]) -> tuple[FloatArray, ...]:
         """The columns as numbers, each (n,); NaN where there is none.
@@ -127,6 +130,7 @@ class Table:
     def _line_by_line(self, indices: Sequence[int]) -> tuple[FloatArray, ...]:
         width = len(self.layout.header)
         rows: list[list[float]] = []
+        self._since = {}
         for number, line in enumerate(self._body().splitlines(), start=self.layout.first + 1):
             cells = self._cells(line)
             if not cells:
@@ -138,7 +142,10 @@ class Table:
             rows.append([self._number(cells[index], number, index) for index in indices])
         if not rows:
             raise DataError(f"{self._path} has a header and no numbers; expected at least one line of them")
-        return tuple(np.array(column, dtype=np.float64) for column in zip(*rows, strict=True))
+        columns = tuple(np.array(column, dtype=np.float64) for column in zip(*rows, strict=True))
+        for index, column in zip(indices, columns, strict=True):
+            self._refuse_mixed(index, int(np.count_nonzero(np.isfinite(column))))
+        return columns
 
     def _cells(self, line: str) -> list[str]:
         """Cells of a line below the header; none in an empty one or a comment."""
@@ -181,16 +188,29 @@ class Table:
         return value
 
     def _since_first(self, text: str, line: int, index: int) -> float:
-        """Seconds from a column's first date to this one; NaN where a cell is no date with a time."""
-        if (found := date_times.nanoseconds(text)) is None:
-            return math.nan
-        unit = units.unit(self.layout.header[index])[0]
-        if units.is_time(unit) and unit != "s":
+        """Seconds from a column's first date, or time of day, to this one; NaN where a cell is neither."""
+        since = self._since.get(index, date_times.SinceFirst())
+        try:
+            seconds = since.seconds(text, line)
+        except date_times.OtherForm as error:
+            raise self._no_number(line, text, index, str(error)) from None
+        if math.isnan(seconds):
+            form = ", or a time like HH:MM:SS or MM:SS.s" if _LIKE_TIME.fullmatch(text) else ""
+            raise self._no_number(line, text, index, f"a finite number{form}")
+        heading, unit = self.header[index], units.unit(self.header[index])[0]
+        angle = units.POSITION.known.get(unit, ("",))[0] == "rad"  # in degrees, minutes and seconds
+        if angle or units.time_factor(heading) not in (None, 1.0):
             raise self._no_number(line, text, index, f"a number in {unit}, as the heading says")
-        first, zone = self._first_dates.setdefault(index, found)
-        if found[1] != zone:
-            raise self._no_number(line, text, index, f"a date of the same zone as the first one ({zone or 'none'})")
-        return (found[0] - first) / 1e9
+        self._since[index] = since
+        return seconds
+
+    def _refuse_mixed(self, index: int, numbers: int) -> None:
+        """Refuse a column in which some of its numbers are dates or times, and others are not."""
+        if index in self._since and (dated := self._since[index].count) != numbers:
+            raise DataError(
+                f"{self._path}: column {self.header[index]} has {dated} dates or times and {numbers - dated} numbers; "
+                "expected one of them on all lines: repair or remove the others"
+            )
 
     def _no_number(self, line: int, text: str, index: int, expected: str = "a finite number") -> DataError:
         return DataError(
@@ -270,7 +290,7 @@ def _holds_numbers(line: str, header: str, rest: str) -> bool:
 
     It begins with one, or has one and as many cells as the header above, which are names. A number alone is a column
     where the rest has one cell a line too; several above such a column are settings, and so are names with a value.
-    A line below a header may have words for missing numbers alone.
+    A line below a header may have words for missing numbers alone. Lines without one may begin with a date or a time.
     """
     cells, below, names = cells_of(line), _contents(rest), cells_of(header)
     found = [is_number(cell) for cell in cells if cell]
@@ -282,7 +302,8 @@ def _holds_numbers(line: str, header: str, rest: str) -> bool:
         return False
     if len(cells) == len(names) and not any(map(is_number, names)):
         return any(found) or all(map(is_missing, cells))
-    return bool(found) and found[0]
+    timed = any(found) and bool(below) and all(date_times.is_time(one[0]) for one in (cells, single[0]))
+    return timed or (bool(found) and found[0])
 
 
 def _contents(text: str) -> list[str]:

@@ -32,6 +32,7 @@ def factor(heading: str, time: FloatArray, given: float | None) -> tuple[float, 
     scale, name = _counted(time)
     if not name:
         unknown = units.unknown_in_brackets(heading)
+        unknown = "" if ":" in unknown else unknown  # HH:MM:SS, which the table has read
         said = f"column {heading} is read in seconds: {unknown} is no unit of time. If it is one, give --time-scale."
         return 1.0, said if unknown else ""
     period = scale * float(np.median(np.abs(np.diff(time))))
