@@ -19,13 +19,12 @@ import numpy as np
 from msd_ident.data.record import FloatArray
 from msd_ident.errors import DataError
 from msd_ident.io import channel_header, date_times, units
-from msd_ident.io.cells import cells_of, is_missing, is_number, joined, separator_of, split
-from msd_ident.io.columns import TIME_NAMES
+from msd_ident.io.cells import cells_of, is_missing, joined, separator_of, split
 from msd_ident.io.number_marks import with_points, without_quotes
+from msd_ident.io.table_header import COMMENTS, contents, heading_cells, holds_numbers, is_one_column, with_units
 
 #: Larger tables are no experiment, and would fill the memory: ten million lines of three columns fit.
 MOST_MEGABYTES = 500
-_COMMENTS = ("#", "%", "//")
 #: A word of spreadsheets for a missing number, which begins like a comment.
 _HASHED = re.compile("#N/A", re.IGNORECASE)
 #: A comment behind numbers, with a space in front; not an error of a spreadsheet (#VALUE!), nor a C library's 1.#QNAN.
@@ -150,7 +149,7 @@ class Table:
     def _cells(self, line: str) -> list[str]:
         """Cells of a line below the header; none in an empty one or a comment."""
         text = _COMMENT.sub("", _HASHED.sub("NA", line)).strip(" \r")
-        if not text.strip() or text.lstrip().startswith(_COMMENTS):
+        if not text.strip() or text.lstrip().startswith(COMMENTS):
             return []
         return split(text, self.layout.separator)
 
@@ -229,10 +228,10 @@ class Table:
             end = len(self._text) if end < 0 else end
             line = self._text[position:end].strip()
             position = end + 1
-            if line.startswith(_COMMENTS):
-                comment = "" if texts else line.lstrip("".join(_COMMENTS)).strip()
-            elif line and _holds_numbers(line, texts[-1] if texts else "", self._text[position : position + _AHEAD]):
-                header = _with_units(texts) if texts else comment  # numpy.savetxt comments its header
+            if line.startswith(COMMENTS):
+                comment = "" if texts else line.lstrip("".join(COMMENTS)).strip()
+            elif line and holds_numbers(line, texts[-1] if texts else "", self._text[position : position + _AHEAD]):
+                header = with_units(texts) if texts else comment  # numpy.savetxt comments its header
                 return self._layout(header, line, number, self._text[position : position + _AHEAD])
             elif line:
                 texts.append(line)
@@ -269,10 +268,10 @@ class Table:
         return names
 
     def _layout(self, header: str, first: str, first_at: int, rest: str) -> Layout:
-        numbers = [first, *_contents(rest)]
-        if _is_one_column(header, first):
-            heading = _heading(header)
-            names = heading if header and len(heading) == 1 else ("1",)  # several cells are a title
+        numbers = [first, *contents(rest)]
+        if is_one_column(header, first):
+            names = heading_cells(header)
+            names = names if header and len(names) == 1 else ("1",)  # several cells are a title
             return Layout(names, first_at, None, decimal_comma=any("," in line for line in numbers))
         separator = separator_of(header or first)
         comma = separator != "," and any("," in line for line in numbers)
@@ -283,65 +282,6 @@ def _without_brackets(text: str) -> str:
     """Text without MATLAB's notation; a bracket that ends the file ends its last line too."""
     plain = _MATRIX.sub(lambda found: found.group(1).replace(";", " "), text)
     return f"{plain}\n" if text.rstrip(" \t\n;").endswith("]") else plain
-
-
-def _holds_numbers(line: str, header: str, rest: str) -> bool:
-    """Whether a line belongs to the numbers.
-
-    It begins with one, or has one and as many cells as the header above, which are names. A number alone is a column
-    where the rest has one cell a line too; several above such a column are settings, and so are names with a value.
-    A line below a header may have words for missing numbers alone. Lines without one may begin with a date or a time.
-    """
-    cells, below, names = cells_of(line), _contents(rest), cells_of(header)
-    found = [is_number(cell) for cell in cells if cell]
-    single = [cells_of(one) for one in below]
-    if len(cells) == 1:
-        word = bool(header) and is_missing(cells[0])
-        return (any(found) or word) and all(len(one) == 1 for one in single)
-    if len(single) > 1 and all(len(one) == 1 and is_number(one[0]) for one in single):
-        return False
-    if len(cells) == len(names) and not any(map(is_number, names)):
-        return any(found) or all(map(is_missing, cells))
-    timed = any(found) and bool(below) and all(date_times.is_time(one[0]) for one in (cells, single[0]))
-    return timed or (bool(found) and found[0])
-
-
-def _contents(text: str) -> list[str]:
-    """Lines of a text that are neither empty nor comments."""
-    return [line for line in text.split("\n") if line.strip() and not line.lstrip().startswith(_COMMENTS)]
-
-
-def _is_one_column(header: str, first: str) -> bool:
-    """Whether the numbers that begin with the line ``first`` are one column; a comma may be its decimal mark."""
-    return len(cells_of(first)) == 1 or (bool(header) and len(_heading(header)) == 1 and is_number(first))
-
-
-def _heading(header: str) -> tuple[str, ...]:
-    """Cells of a header, in which white space is part of a name."""
-    return cells_of(header) if separator_of(header) is not None else (header.strip().strip('"'),)
-
-
-def _with_units(texts: Sequence[str]) -> str:
-    """The header, which may stand in two lines: the names, and below them a unit for each.
-
-    Where the second line has the unit of the time below its name, it may have names of the other columns, as recorders
-    do whose channels (``Analog 1``) are chosen: these are taken, as they say more.
-    """
-    last, above = cells_of(texts[-1]), cells_of(texts[-2]) if len(texts) > 1 else ()
-    if len(above) != len(last):
-        return texts[-1]
-    pairs = list(zip(above, last, strict=True))
-    timed = any(name.lower() in TIME_NAMES and units.is_time(cell) for name, cell in pairs)
-    if not timed and not all(units.is_unit(cell) for cell in last):
-        return texts[-1]
-    return joined([_with_unit(name, cell) for name, cell in pairs], separator_of(texts[-1]) or "\t")
-
-
-def _with_unit(name: str, below: str) -> str:
-    """Name of a column from its cells in two lines."""
-    if not units.is_unit(below):
-        return below
-    return f"{name} ({below.strip('()[]')})" if below else name
 
 
 def _read_text(path: Path) -> str:
