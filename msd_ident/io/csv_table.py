@@ -18,7 +18,7 @@ import numpy as np
 
 from msd_ident.data.record import FloatArray
 from msd_ident.errors import DataError
-from msd_ident.io import channel_header, date_times, units
+from msd_ident.io import channel_header, date_times, matlab_matrix, units
 from msd_ident.io.cells import cells_of, is_missing, joined, separator_of, split
 from msd_ident.io.number_marks import with_points, without_quotes
 from msd_ident.io.table_header import COMMENTS, contents, heading_cells, holds_numbers, is_one_column, with_units
@@ -37,8 +37,6 @@ _LIKE_TIME = re.compile(r"[\d.,]+(?::[\d.,]+)+")
 _HEADER_LINES = 50
 #: Characters behind the first line of numbers that are looked at for a decimal comma.
 _AHEAD = 2000
-#: A matrix in MATLAB's notation: brackets around the numbers, a semicolon at the end of each line.
-_MATRIX = re.compile(r"^[ \t]*\[([^\[\]]*)\]\s*;?\s*$", re.MULTILINE)
 
 
 @dataclass(frozen=True)
@@ -69,10 +67,10 @@ class Table:
 
     def __init__(self, path: Path) -> None:
         self._path = path
-        self._text = _without_brackets(_read_text(path))
+        self._text, notes = matlab_matrix.without_brackets(_read_text(path), str(path))
         self._since: dict[int, date_times.SinceFirst] = {}  # by column: its dates or times of day
         self.layout = self._find_layout()
-        self._notes = self._leave_out_cut_line()
+        self._notes = [*notes, *self._leave_out_cut_line()]
 
     @property
     def header(self) -> tuple[str, ...]:
@@ -236,6 +234,8 @@ class Table:
             elif line:
                 texts.append(line)
             number += 1
+        if matlab_matrix.is_script(self._text):
+            raise matlab_matrix.refused(str(self._path))
         expected = "expected a header like time_s,force_n,position_m and numbers"
         if not texts:
             raise DataError(f"{self._path} is empty; {expected}")
@@ -276,12 +276,6 @@ class Table:
         separator = separator_of(header or first)
         comma = separator != "," and any("," in line for line in numbers)
         return Layout(self._names(header, first), first_at, separator, decimal_comma=comma)
-
-
-def _without_brackets(text: str) -> str:
-    """Text without MATLAB's notation; a bracket that ends the file ends its last line too."""
-    plain = _MATRIX.sub(lambda found: found.group(1).replace(";", " "), text)
-    return f"{plain}\n" if text.rstrip(" \t\n;").endswith("]") else plain
 
 
 def _read_text(path: Path) -> str:
