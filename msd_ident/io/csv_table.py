@@ -156,12 +156,15 @@ class Table:
 
         It has no line break, and fewer cells than the others, or a last one that is not whole.
         """
-        kept, _, last = self._text.rpartition("\n")
-        cells, at = self._cells(last), kept.count("\n") + 1
-        whole = len(cells) >= len(self.header) and last.count('"') % 2 == 0 and not _STUMP.fullmatch(cells[-1].strip())
-        if not cells or whole or at < self.layout.first:
+        begin = self._text.rfind("\n") + 1
+        last, above = self._text[begin:], self._text[self._text.rfind("\n", 0, max(begin - 1, 0)) + 1 : begin]
+        cells, at = self._cells(last), self._text.count("\n")
+        most = max(len(self.header), len(self._cells(above)) if at > self.layout.first else 0)
+        if not cells or at < self.layout.first:
             return []
-        self._text = f"{kept}\n"
+        if len(cells) >= most and last.count('"') % 2 == 0 and not _STUMP.fullmatch(cells[-1].strip()):
+            return []
+        self._text = self._text[:begin]
         return [f"line {at + 1} was left out: the file ends in the middle of it, behind {last[-20:]!r}."]
 
     def _ragged(self, line: int, cells: int) -> DataError:

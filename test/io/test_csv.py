@@ -404,7 +404,8 @@ def test_a_line_that_the_file_ends_in_the_middle_of_is_left_out(
 
 
 def test_a_cut_line_of_numbers_in_white_space_or_with_a_mark_behind_each(tmp_path: Path) -> None:
-    for text in (table(" ") + "0.4 1.", table("  ") + "0.4", table(rows=[(*row, "") for row in ROWS]) + "0.4,1.5"):
+    marked_ends = table(rows=[(*row, "") for row in ROWS])
+    for text in (table(" ") + "0.4 1.", table("  ") + "0.4", marked_ends + "0.4,1.5", marked_ends + "0.4,1.5,0.03"):
         record = read_text(tmp_path, text)
         np.testing.assert_array_equal(record.position, np.array(ROWS)[:, 2])
         assert record.notes[0].startswith("line 42 was left out: ")
