@@ -41,6 +41,9 @@ class Caveats:
             likely as that.
         open: causes whose strength the data leaves open (``undetermined``): other numbers of the model can take their
             place, so each is as likely not to act.
+        bending: curves over the speed that bend freely, in whose place one of another cause leaves only noise too
+            (``speed_curves.also_bent``): the evidence tells their shapes apart, and the rig's may be a third one, so
+            they are not certain.
         alike: laws, each with a law of another cause that gives the same motion in its place (``equal_motion``): each
             is as likely as the other.
     """
@@ -57,6 +60,7 @@ class Caveats:
     held: frozenset[str] = frozenset()
     sampled: frozenset[str] = frozenset()
     open: frozenset[str] = frozenset()
+    bending: frozenset[str] = frozenset()
     alike: Mapping[str, str] = field(default_factory=dict)
 
     def renamed(self, names: Mapping[str, str]) -> Caveats:
@@ -76,6 +80,7 @@ class Caveats:
             held=new(self.held),
             sampled=new(self.sampled),
             open=new(self.open),
+            bending=new(self.bending),
             alike={names.get(name, name): twin for name, twin in self.alike.items()},
         )
 
@@ -116,14 +121,16 @@ class Caveats:
         changes with time moves nearly alike. Nor is what may be another shape of the other laws, or of the controller's
         (``steered``), nor what is seen once only, nor a cause of a set that leaves much (``leaves``). Nor is a linear
         filter of the force beside two others: with three of them a set follows a filter of another kind to the noise.
-        Nor is a curve over the speed that bends freely beside another one (``bent``): the two follow any third.
+        Nor is a curve over the speed that bends freely beside another one (``bent``): the two follow any third. Nor is
+        it where one of another cause does as well in its place (``bending``).
         """
         effect = by_name(law)
         aged = (effect.ages() and not rich) or (effect.ages_spring() and not (rich and self.exact))
         shape = effect.is_shape_beside(by_name(one) for one in self.causes - {law})
         pushed_back = steered and effect.is_spring()
         seen_once = law in self.slow | self.seldom | self.held
-        return aged or shape or pushed_back or seen_once or law in self.filters() | self.bent() or self.leaves > 0.0
+        bent = law in self.filters() | self.bent() | self.bending
+        return aged or shape or pushed_back or seen_once or bent or self.leaves > 0.0
 
     def filters(self) -> frozenset[str]:
         """Linear filters of the force in the set, if there are three or more."""

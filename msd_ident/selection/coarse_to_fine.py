@@ -21,6 +21,7 @@ from msd_ident.selection.fitted_sets import Progress
 from msd_ident.selection.hypothesis import Hypothesis
 from msd_ident.selection.hypothesis_fit import FAR, REACH, refine
 from msd_ident.selection.ranking import LEADERS, NEAR, Ranking
+from msd_ident.selection.speed_curves import also_bent
 from msd_ident.selection.structure_search import Remembered, Search
 from msd_ident.selection.undetermined import undetermined
 
@@ -85,6 +86,7 @@ def _told(ranking: Ranking, experiment: Experiment, *before: tuple[Ranking, Expe
         ranking = ranking.with_caveats(
             causes,
             alike=equal_motion(one, sets, experiment, scale),
+            bending=also_bent(one, sets, scale.noise),
             open=undetermined(one) if causes in near else frozenset(),
         )
     return noted(ranking, experiment, *before)

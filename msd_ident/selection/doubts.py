@@ -85,6 +85,11 @@ def _free_together(caveats: Caveats, unsure: Sequence[str]) -> list[str]:
             f"{' and '.join(map(spoken, sorted(caveats.bent())))} are curves over the speed that bend freely: together "
             "they come near any other curve, so none of them is certain."
         )
+    said += [
+        f"{spoken(name)} is a curve over the speed that bends freely, and one of another cause in its place leaves "
+        "only noise too: the rig's curve may be a third one, so it is not certain."
+        for name in sorted(caveats.bending.intersection(unsure))
+    ]
     return said
 
 

@@ -11,7 +11,7 @@ over speeds v up to the largest of the motion.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -21,7 +21,8 @@ from msd_ident.model.effects import Effect, by_name
 from msd_ident.model.effects.typical import speed
 from msd_ident.selection.evidence import LEAST_SPREAD
 from msd_ident.selection.experiment import Experiment
-from msd_ident.selection.hypothesis import Hypothesis, causes_that_fit
+from msd_ident.selection.hypothesis import Causes, Hypothesis, causes_that_fit
+from msd_ident.selection.law_errors import leaves_noise
 from msd_ident.selection.simpler_sets import Start
 from msd_ident.tuning import fixed
 
@@ -64,6 +65,28 @@ def merged(experiment: Experiment, fitted: Hypothesis) -> Iterator[Start]:
         if error < LEAST_SPREAD:
             begun.add(law.name)
             yield causes, replace(bare, damping=damping) + found, fitted.initial
+
+
+def also_bent(fitted: Hypothesis, sets: Mapping[Causes, Hypothesis], noise: float) -> frozenset[str]:
+    """Curves of a set that bend freely, in whose place one of another cause that bends freely leaves only noise too.
+
+    Args:
+        fitted: the set.
+        sets: all fitted sets by their causes.
+        noise: the chi² that noise leaves.
+    """
+    found = set()
+    for law in filter(_bends, fitted.causes):
+        for other in filter(_bends, (name for causes in sets for name in causes)):
+            instead = sets.get(fitted.causes - {law} | {other})
+            if by_name(other).cause() != by_name(law).cause() and instead and leaves_noise(instead, noise):
+                found.add(law)
+    return frozenset(found)
+
+
+def _bends(name: str) -> bool:
+    """Whether a law is a curve over the speed whose shape is free."""
+    return bool(by_name(name).form_of) and by_name(name).is_curve_over_speed()
 
 
 def _holds(law: Effect | type[Effect]) -> bool:

@@ -4,18 +4,22 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from setrigs import BASE, pushed, stood
+from setrigs import BASE, fitted, pushed, stood
 
 from msd_ident.model import Model
 from msd_ident.model.effects import LIBRARY, Effect
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.cubic_spring import CubicSpring
 from msd_ident.model.effects.direction_dependent_damping import DirectionDependentDamping
+from msd_ident.model.effects.fading_damping import FadingDamping
+from msd_ident.model.effects.power_drag import PowerDrag
 from msd_ident.model.effects.quadratic_drag import QuadraticDrag
 from msd_ident.model.effects.smooth_friction import SmoothFriction
+from msd_ident.model.effects.smooth_friction_turn import SmoothFrictionTurn
 from msd_ident.model.effects.stribeck_friction import StribeckFriction
 from msd_ident.model.effects.typical import speed
-from msd_ident.selection.speed_curves import merged
+from msd_ident.selection.caveats import Caveats
+from msd_ident.selection.speed_curves import also_bent, merged
 
 
 def merged_of(model: Model) -> dict[frozenset[str], Model]:
@@ -54,3 +58,29 @@ def test_the_curve_is_the_force_of_the_law(law: type[Effect]) -> None:
     names = acting.__code__.co_varnames[: acting.__code__.co_argcount]
     assert law.curve_over_speed()(0.3, one.values) == pytest.approx(acting(*(given[name] for name in names)))
     assert not DirectionDependentDamping.is_curve_over_speed(), "it differs by direction"
+
+
+@pytest.mark.parametrize(
+    ("beside", "chi", "bent"),
+    [
+        (SmoothFrictionTurn(1.0, 0.03, 1.4), 1001.0, True),
+        (SmoothFrictionTurn(1.0, 0.03, 1.4), 2000.0, False),
+        (PowerDrag(1.0, 1.0, 1.5), 1001.0, False),
+        (CoulombFriction(0.5), 1001.0, False),
+    ],
+    ids=["of another cause", "which leaves more", "of the same cause", "of a simple law"],
+)
+def test_a_curve_that_bends_freely_is_not_certain_where_one_of_another_cause_does_as_well(
+    beside: Effect, chi: float, bent: bool
+) -> None:
+    """Of friction that creeps as an exponential (seed 891005 of ``--variants``) a damping that fades had 0.99."""
+    sets = [
+        fitted(pushed(), BASE + FadingDamping(31.0, 0.04, 1.3) + CubicSpring(1e4), 1000.0),
+        fitted(pushed(), BASE + beside + CubicSpring(1e4), chi),
+        fitted(pushed(), BASE + CubicSpring(1e4), 9000.0),
+    ]
+    found = also_bent(sets[0], {one.causes: one for one in sets}, 1000.0)
+    assert found == (frozenset({"fading_damping"}) if bent else frozenset())
+    told = Caveats(sets[0].causes, exact=True, bending=found)
+    assert told.greatest("fading_damping", rich=True, steered=False) == pytest.approx(0.9 if bent else 1.0, abs=1e-3)
+    assert told.greatest("cubic_spring", rich=True, steered=False) == pytest.approx(1.0, abs=1e-3)
