@@ -258,7 +258,7 @@ def _doubtful(understood: Sequence[_Understood]) -> bool:
 
 
 def _fits_turned(understood: Sequence[_Understood], part: float = 1.0) -> bool:
-    """Whether with the force turned a plant with dry friction leaves less than ``part`` of its error in driven records."""
+    """Whether with the force turned a plant with dry friction leaves less than ``part`` of its error."""
     driven = [one for one in understood if np.ptp(one.record.force) > 0.0]
     as_it_is, other = (
         fit(structure(typical_plant(records[0]), sprung=True), records).see
