@@ -98,8 +98,8 @@ def _changed(path: Path, target: Path, change: str) -> Path:
     rows = np.loadtxt(path, delimiter=",", skiprows=1)
     if change == "five samples":
         rows = rows[:5]
-    elif change == "nan":
-        rows[100, 2] = np.nan
+    elif change in ("nan", "inf"):
+        rows[100, 2] = float(change)
     elif change == "constant":
         rows[:, 2] = 0.0
     elif change == "backwards":
@@ -114,7 +114,7 @@ def _changed(path: Path, target: Path, change: str) -> Path:
     ("change", "words"),
     [
         ("five samples", "5 position samples; expected at least 20"),
-        ("nan", "expected a finite number"),
+        ("inf", "expected a finite number"),
         ("constant", "never"),
         ("backwards", "backwards"),
     ],
@@ -123,6 +123,11 @@ def test_data_that_cannot_be_used_gets_one_line(step_csv: Path, tmp_path: Path, 
     done = msd("identify", _changed(step_csv, tmp_path / "bad.csv", change), expect=2)
     assert words in done.err
     assert len(done.err.strip().splitlines()) == 1
+
+
+def test_a_position_that_is_no_number_is_a_missing_sample_and_said(step_csv: Path, tmp_path: Path) -> None:
+    done = msd("identify", _changed(step_csv, tmp_path / "gap.csv", "nan"))
+    assert "samples, 6.00 s, 1 missing" in done.out
 
 
 def test_unit_wrong_by_a_thousand_is_a_warning_with_the_number(step_csv: Path, tmp_path: Path) -> None:
