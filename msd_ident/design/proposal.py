@@ -287,7 +287,7 @@ def _sentence(option: Option, called: Sequence[str], verb: str, unit: str, beyon
     force = f"with {low:.3g} to {high:.3g} {unit}" if low < high else "without force"
     what = "tell" if verb == "parts" else "show"
     aim = " or ".join(called) if verb == "parts" else ", ".join(called[1:])
-    chance = f"{option.probability:.2f}" if option.probability < 0.995 else "above 0.99"
+    chance = f"{option.probability:.2f}" if option.probability < 1.0 - IN_VAIN else "above 0.99"
     promise = f"It should {what} {aim} with probability {chance}"
     if option.probability < HOPELESS:
         promise = f"No profile within the limits is likely to {what} {aim}; this one does with probability {chance}"

@@ -17,7 +17,7 @@ from dataclasses import replace
 import numpy as np
 
 from msd_ident.data.record import FloatArray
-from msd_ident.model.effects import Effect, by_name
+from msd_ident.model.effects import LIBRARY, Effect, by_name
 from msd_ident.model.effects.typical import speed
 from msd_ident.selection.evidence import LEAST_SPREAD
 from msd_ident.selection.experiment import Experiment
@@ -75,13 +75,16 @@ def also_bent(fitted: Hypothesis, sets: Mapping[Causes, Hypothesis], noise: floa
         sets: all fitted sets by their causes.
         noise: the chi² that noise leaves.
     """
-    found = set()
-    for law in filter(_bends, fitted.causes):
-        for other in filter(_bends, (name for causes in sets for name in causes)):
-            instead = sets.get(fitted.causes - {law} | {other})
-            if by_name(other).cause() != by_name(law).cause() and instead and leaves_noise(instead, noise):
-                found.add(law)
-    return frozenset(found)
+    laws = list(filter(_bends, fitted.causes))
+    curves = [law for law in LIBRARY if _bends(law.name)] if laws else []
+    return frozenset(
+        law
+        for law in laws
+        for other in curves
+        if other.cause() != by_name(law).cause()
+        and (instead := sets.get(fitted.causes - {law} | {other.name})) is not None
+        and leaves_noise(instead, noise)
+    )
 
 
 def _bends(name: str) -> bool:
