@@ -16,6 +16,7 @@ from msd_ident.estimate import FitResult
 from msd_ident.estimate.base_fits import Shared
 from msd_ident.estimate.effort import KEPT
 from msd_ident.estimate.problem import Initial
+from msd_ident.estimate.single_tone import common_tone
 from msd_ident.estimate.summary import summarise_fit
 from msd_ident.model import Model, Plant
 from msd_ident.residuals import noise_model
@@ -152,7 +153,8 @@ def prepare(task: Task) -> Experiment:
     parts = noise_model.prepare(task.records)
     rests = zip(task.rest_before, parts, strict=False)
     quiet = tuple(noise_model.of_record(rest, part.noise, part.step) for rest, part in rests if rest is not None)
-    return Experiment(parts, model, frozenset(fixed), quiet)
+    led = task.forced and (task.balanced or task.steered or common_tone(task.records) > 0.0)
+    return Experiment(parts, model, frozenset(fixed), quiet, led=led)
 
 
 def _remembered(earlier: Diagnosis | None, task: Task) -> list[Remembered]:

@@ -126,6 +126,21 @@ def motionless(names: tuple[str, ...]) -> OpenDirection:
     return OpenDirection(tuple((name, 1.0) for name in names), sentence)
 
 
+def of_a_tone(omega: float, known: str) -> OpenDirection:
+    """Mass and stiffness where a single tone shows only k - m·omega².
+
+    Args:
+        omega: of the tone [rad/s].
+        known: that value with its unit.
+    """
+    sentence = (
+        f"mass and stiffness are known only together, as k - m·omega² = {known}: force and motion are a single tone of "
+        f"{omega / (2.0 * math.pi):.3g} Hz, and the model leaves more than noise: add a record at another frequency, a "
+        "sweep or steps."
+    )
+    return OpenDirection((("mass", 1.0), ("stiffness", omega**2)), sentence)
+
+
 def _sentence(physical: list[str], zeros: list[str], common: bool, forced: bool) -> str:
     listed = ", ".join(physical)
     if len(physical) == 1 and zeros and (why := _of(listed).open_with_zero):

@@ -13,11 +13,13 @@ from msd_ident.estimate import covariance as uncertainty
 from msd_ident.estimate import identifiability
 from msd_ident.estimate.formulation import balanced
 from msd_ident.estimate.least_squares import Solution
+from msd_ident.estimate.levels import ALIKE
 from msd_ident.estimate.objective import SquaredError, gram
 from msd_ident.estimate.parameter_units import unit_in
 from msd_ident.estimate.problem import Problem
 from msd_ident.estimate.result import FitResult
 from msd_ident.estimate.see import see
+from msd_ident.estimate.single_tone import common_tone
 from msd_ident.model.joint_words import said_of
 from msd_ident.model.parameters import FORCES
 from msd_ident.quantity import Quantity
@@ -58,6 +60,8 @@ def summarise_fit(problem: Problem, outcome: Solution, floor: float, soft: float
     found, null = _open(problem, outcome.point, sums)
     if not _moves(problem, floor):
         found = [identifiability.motionless(problem.names[: len(problem.free)])]
+    if not any("mass" in direction.names for direction in found):
+        found += _of_a_tone(problem, outcome.point, see(sums.residuals), floor)
     inverse = uncertainty.inverse_beside(sums.bread, null)
     effective = sums.effective
     freedom = effective / max(effective - min(problem.size, 0.5 * effective), 1.0)
@@ -86,6 +90,17 @@ def summarise_fit(problem: Problem, outcome: Solution, floor: float, soft: float
         converged=outcome.converged and _finite(outcome, sums.residuals),
         message=outcome.message,
     )
+
+
+def _of_a_tone(problem: Problem, point: FloatArray, left: float, floor: float) -> list[identifiability.OpenDirection]:
+    """Mass and stiffness as one open direction, where all records are one tone and the model leaves more than noise."""
+    omega = common_tone(problem.records) if {"mass", "stiffness"} <= set(problem.names) else 0.0
+    if not omega or not left > ALIKE * floor:
+        return []
+    values = dict(zip((parameter.name for parameter in problem.model.parameters), problem.values(point), strict=True))
+    record = problem.records[0]
+    known = f"{values['stiffness'] - values['mass'] * omega**2:.4g} {record.force_unit}/{record.position_unit}"
+    return [identifiability.of_a_tone(omega, known)]
 
 
 def _moves(problem: Problem, floor: float) -> bool:

@@ -135,6 +135,12 @@ class Means:
         """Columns (r, 3) of inertia, damper and spring for a position (n,) [m] on the instants of the grid."""
         return self._over(position, *self._by_parts)[self._moving]
 
+    def noise_gain(self, plant: tuple[float, float, float]) -> float:
+        """What white noise of the position of 1 m rms makes of the sum of these columns, times mass, damping and
+        stiffness: its rms.
+        """
+        return float(np.linalg.norm(np.stack(self._by_parts, axis=1) @ plant))
+
     def column(self, name: str, given: Mapping[str, float], *, quarter_on: bool = False) -> FloatArray:
         """Column (r,) of the regression: the smoothed signal that a parameter's force is proportional to.
 

@@ -38,6 +38,8 @@ class Experiment:
         rests: stretches of the records in which the cart stands still, which the fits leave out.
         asked: the only causes in question; None for all of the library.
         begun: whether the records are copies, and the search begins with sets that were fitted to the measured ones.
+        led: whether a controller leads the motion, or force and motion are a single tone: then laws that need no force
+            may follow it.
     """
 
     readings: tuple[Readings, ...]
@@ -46,6 +48,7 @@ class Experiment:
     rests: tuple[Readings, ...] = ()
     asked: frozenset[str] | None = None
     begun: bool = False
+    led: bool = False
 
     @property
     def evidence(self) -> float:

@@ -21,6 +21,7 @@ from msd_ident.model import Model
 from msd_ident.selection import starting_points
 from msd_ident.selection.evidence import NoiseScale, scale_from
 from msd_ident.selection.experiment import SOUGHT, Experiment
+from msd_ident.selection.force_share import explains_force
 from msd_ident.selection.hypothesis import HOLDING_COULOMB, Causes, Hypothesis, causes_that_fit
 from msd_ident.selection.hypothesis_fit import COMPARABLE, REACH, StartingPoint, begin, finish, refine, refine_near
 from msd_ident.selection.neighbours import Neighbours, rubs_and_is_linear, with_coulomb
@@ -101,10 +102,12 @@ class FittedSets:
         """A set's best fit so far, also of simpler sets that it is equal to.
 
         A second mass of which the record holds less than a swing is a weak spring, or any other slow force: no fit with
-        it is kept.
+        it is kept; nor, where a controller leads the motion, one that explains too little of the force.
         """
         before = self.sets.get(fitted.causes)
         if before is not None and before.chi <= fitted.chi or swing(fitted.model) > self.experiment.scales.duration:
+            return
+        if self.experiment.led and fitted.causes and not explains_force(fitted):
             return
         least = min((one.chi for one in self.sets.values()), default=math.inf) if before is None else before.chi
         self.sets[fitted.causes] = fitted

@@ -8,6 +8,7 @@ without. Their model may lack what else acts, so a diagnosis may decide otherwis
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,6 +21,7 @@ from msd_ident.data.record import Record
 from msd_ident.estimate import FitResult, fit
 from msd_ident.estimate.levels import BEYOND_DOUBT, MOST_OF, TENTH
 from msd_ident.estimate.objective import Loss
+from msd_ident.estimate.single_tone import common_tone, stiffness_at
 from msd_ident.model import Model
 from msd_ident.model.base_model import DryFriction, Offset
 from msd_ident.model.effects import spoken
@@ -64,8 +66,8 @@ class Decision:
 def has_spring(prepared: Prepared, options: Options) -> Decision:
     """Whether the plant has a spring.
 
-    The user's options decide, else a known stiffness, else whether a response gives a standard form, else a regression
-    of the force where it leaves no doubt, else two fits.
+    The user's options decide, else a known stiffness, else whether a response gives a standard form, else the phase of
+    a single tone, else a regression of the force where it leaves no doubt, else two fits.
 
     Args:
         prepared: records of one rig.
@@ -77,10 +79,39 @@ def has_spring(prepared: Prepared, options: Options) -> Decision:
         return Decision(told > 0.0)
     if prepared.form is not None:
         return Decision(True)
+    if (of_a_tone := by_tone(prepared.records)) is not None:
+        return of_a_tone
     if not steered(prepared.findings) and (said := plain(prepared.records)):
         return Decision(True, (said,))
     sprung, said = decide(prepared.records, prepared.plant, options.loss)
     return Decision(sprung, (said,), doubtful=True)
+
+
+def by_tone(records: Sequence[Record]) -> Decision | None:
+    """The decision for records of a single tone, which show only k - m ω²; None for others.
+
+    Below 0 a mass alone does that, above 0 only a spring, or a weight that hangs. Two fits would be told apart by what
+    their models lack.
+
+    Args:
+        records: prepared records of one rig.
+    """
+    omega = common_tone(records)
+    if not omega:
+        return None
+    shown = stiffness_at(records, omega)
+    unit = f"{records[0].force_unit}/{records[0].position_unit}"
+    tone = (
+        f"Force and motion are a single tone of {omega / (2.0 * math.pi):.3g} Hz with k - m·omega² = {shown:.3g} {unit}"
+    )
+    if shown > 0.0:
+        said = f"{tone}: a spring is assumed. If there is none, use --model no_spring."
+    else:
+        weight = (
+            "" if records[0].position_unit == "m" else "; a weight over the axis of a joint would do what mass does"
+        )
+        said = f"{tone}, which needs no spring, and none is assumed{weight}. If there is one, use --model spring."
+    return Decision(shown > 0.0, (said,))
 
 
 def plain(records: tuple[Record, ...]) -> str:

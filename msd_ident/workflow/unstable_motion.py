@@ -27,6 +27,7 @@ from msd_ident.model.base_model import DryFriction
 from msd_ident.model.effects import LIBRARY, typical
 from msd_ident.tuning import fixed
 from msd_ident.workflow.preparation import Prepared, typical_plant
+from msd_ident.workflow.spring_decision import by_tone
 
 _NUDGE = fixed(1e-7, "accuracy", "deviation, in parts of the motion, whose growth is followed: far above rounding")
 #: Units of velocity, in that of the motion's, in which a growth is looked at.
@@ -109,9 +110,13 @@ def by_regression(records: Sequence[Record]) -> Cut | None:
     joint = _joint(records[0])
     if joint is None:
         return None
+    tone = by_tone(records)
+    fixed = ("stiffness",) if tone is not None and not tone.sprung else ()
+    if fixed:
+        joint = joint.with_values({"stiffness": 0.0})
     starts = [
         (joint.with_values(start.values), tuple(zero for _, _, zero in start.initial))
-        for start in regressed(formulate(joint, tuple(records), (), "free"))
+        for start in regressed(formulate(joint, tuple(records), fixed, "free"))
     ]
     if not starts:
         return None

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from msd_ident.data.quality import Finding
 from msd_ident.data.record import Record, from_samples
 from msd_ident.diagnosis import Task, concluded, diagnose_records, search
 from msd_ident.diagnosis.searching import prepare
@@ -41,6 +43,18 @@ def test_what_the_data_cannot_give_is_fixed() -> None:
     assert prepare(Task((record,))).fixed == frozenset()
     assert prepare(Task((record,), sprung=False)).fixed == {"stiffness"}
     assert prepare(Task((free,))).fixed == {"mass"}
+
+
+def test_laws_that_need_no_force_are_looked_for_where_they_may_follow_the_motion() -> None:
+    record = rubbing()
+    time = np.arange(0.0, 20.0, 0.01)
+    asked = from_samples(time, np.sin(2.0 * np.pi * time), np.zeros(time.size), hold="linear")
+    tone = replace(asked, position=simulate(Plant(1.0, 5.0, 60.0), asked).position)
+    follows = Finding("warning", "closed_loop", "the force follows the readings")
+    assert not prepare(Task((record,))).led
+    assert prepare(Task((record,), balanced=True)).led
+    assert prepare(Task((record,), findings=(follows,))).led
+    assert prepare(Task((tone,))).led and not prepare(Task((record, tone))).led
 
 
 def test_no_records_are_refused() -> None:

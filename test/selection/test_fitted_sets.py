@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from msd_ident.model.effects.cubic_spring import CubicSpring
 from msd_ident.model.effects.end_stop import EndStop
 from msd_ident.model.effects.quadratic_drag import QuadraticDrag
 from msd_ident.model.effects.stiffness_drift import StiffnessDrift
+from msd_ident.selection import fitted_sets
 from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.fitted_sets import FittedSets
 from msd_ident.selection.hypothesis import Hypothesis
@@ -32,6 +34,24 @@ def test_a_start_that_leaves_many_times_what_no_motion_leaves_is_not_followed() 
     assert rubs not in search.sets and rubs not in search.tried
     search._look_again(rubs, BASE + CoulombFriction(0.25), base.initial)
     assert np.isclose(search.sets[rubs].model["coulomb_force"], 0.03 * 9.81, rtol=0.01)
+
+
+def test_where_a_controller_leads_a_set_that_explains_no_force_is_not_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[Hypothesis] = []
+
+    def nothing(one: Hypothesis) -> bool:
+        asked.append(one)
+        return False
+
+    monkeypatch.setattr(fitted_sets, "explains_force", nothing)
+    experiment = rubbing()
+    base, found = stood(experiment, BASE), stood(experiment, BASE + CoulombFriction(0.25))
+    for led, kept in ((False, {base.causes, found.causes}), (True, {base.causes})):
+        search = FittedSets(replace(experiment, led=led), lambda fitted: True, lambda stage, part, cause: None)
+        for one in (base, found):
+            search._keep(one)
+        assert search.sets.keys() == kept, "the base model stays"
+    assert asked == [found]
 
 
 def test_a_set_that_leads_is_fitted_to_the_end() -> None:

@@ -339,3 +339,31 @@ def test_a_spring_is_not_given_up_for_a_law_that_moves_the_mass(
         for model, one in zip(models, (see, 1.0), strict=True)
     ]
     assert _does_without(cast(Any, found[0]), cast(Any, found[1])) is without
+
+
+@pytest.mark.parametrize(
+    ("plant", "sprung", "said"),
+    [
+        (Plant(2.0, 5.0, 200.0), True, "a spring is assumed. If there is none, use --model no_spring."),
+        (
+            Plant(2.0, 5.0, 0.0),
+            False,
+            "which needs no spring, and none is assumed. If there is one, use --model spring.",
+        ),
+        (Plant(2.0, 5.0, 40.0), False, "none is assumed"),
+    ],
+    ids=["a stiff spring", "none", "one that carries less than the inertia"],
+)
+def test_under_a_single_tone_the_phase_decides(plant: Plant, sprung: bool, said: str) -> None:
+    """A drive under a sine (public record) had a spring of 116 % of its force, and six times its mass."""
+    time = np.arange(0.0, 30.0, 0.01)
+    asked = from_samples(time, 10.0 * np.sin(2.0 * math.pi * time), np.zeros(time.size), hold="linear")
+    record = replace(asked, position=simulate(plant, asked).position)
+    found = spring_decision.by_tone((record,))
+    assert found is not None and found.sprung is sprung and not found.doubtful
+    assert said in found.said[0] and "a single tone of 1 Hz with k - m·omega² = " in found.said[0]
+    turned_angle = spring_decision.by_tone((replace(record, position_unit="rad"),))
+    assert turned_angle is not None
+    assert ("a weight over the axis of a joint would do what mass does" in turned_angle.said[0]) is not sprung
+    steps = replace(asked, force=np.sign(asked.force))
+    assert spring_decision.by_tone((replace(steps, position=simulate(plant, steps).position),)) is None
