@@ -15,6 +15,7 @@ from msd_ident.estimate.formulation import balanced
 from msd_ident.estimate.least_squares import Solution
 from msd_ident.estimate.levels import ALIKE
 from msd_ident.estimate.objective import SquaredError, gram
+from msd_ident.estimate.one_sided import open_scale
 from msd_ident.estimate.parameter_units import unit_in
 from msd_ident.estimate.problem import Problem
 from msd_ident.estimate.result import FitResult
@@ -66,6 +67,8 @@ def summarise_fit(problem: Problem, outcome: Solution, floor: float, soft: float
     effective = sums.effective
     freedom = effective / max(effective - min(problem.size, 0.5 * effective), 1.0)
     covariance = freedom * inverse @ sums.meat @ inverse
+    if not found:
+        found += _of_one_side(problem, outcome.point, sums, covariance)
     std = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     named = {name for direction in found for name in direction.names}
     loose = identifiability.loose(problem.names, outcome.point, std, problem.scale)
@@ -90,6 +93,18 @@ def summarise_fit(problem: Problem, outcome: Solution, floor: float, soft: float
         converged=outcome.converged and _finite(outcome, sums.residuals),
         message=outcome.message,
     )
+
+
+def _of_one_side(
+    problem: Problem, point: FloatArray, sums: _Sandwich, covariance: FloatArray
+) -> list[identifiability.OpenDirection]:
+    """The scale of all forces as an open direction, where the data shows it on one side alone."""
+    direction = open_scale(problem, point, sums.bread, covariance)
+    if direction is None:
+        return []
+    reference = np.maximum(np.abs(point), problem.scale)
+    found = identifiability.describe(direction / reference, problem.names, point, reference, forced=True)
+    return [] if found is None else [found]
 
 
 def _of_a_tone(problem: Problem, point: FloatArray, left: float, floor: float) -> list[identifiability.OpenDirection]:
