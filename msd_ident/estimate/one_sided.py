@@ -14,11 +14,11 @@ from msd_ident.data.record import FloatArray
 from msd_ident.estimate.levels import ALIKE, TENTH
 from msd_ident.estimate.problem import Problem
 from msd_ident.model.parameters import FORCES
+from msd_ident.tuning import fixed
 
-#: Standard deviations by which the factor is changed. Measured: of carts let go from 1.5 N, with 0.12 N of friction, the
-#: cost rose by 0.003 to 0.03 of what its curvature says at ten on the flat side; with a creep of two counts in the hold by
-#: 0.39, and by 0.04 at thirty.
-_FAR = (3.0, 10.0, 30.0)
+#: Measured: of carts let go from 1.5 N, with 0.12 N of friction, the cost rose by 0.003 to 0.03 of what its curvature
+#: says at ten on the flat side; with a creep of two counts by 0.39, and at thirty by 0.04.
+_FAR = fixed((3.0, 10.0, 30.0), "accuracy", "standard deviations by which the factor is changed: kinks are smaller")
 #: Largest change of the factor: further away any motion is as wrong as any other.
 _MOST = ALIKE - 1.0
 

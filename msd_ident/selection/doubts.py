@@ -9,7 +9,7 @@ from msd_ident.estimate.levels import FEWEST
 from msd_ident.model.effects import by_name, spoken
 from msd_ident.selection.caveats import Caveats
 from msd_ident.selection.certainty import CERTAIN_ODDS, certain
-from msd_ident.selection.hypothesis import COULOMB, Causes, kinds
+from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, Causes, kinds
 from msd_ident.selection.ranking import Ranking
 
 
@@ -103,7 +103,10 @@ def _another_form(ranking: Ranking, name: str, part: float) -> str:
             f"{spoken(name)} and {' and '.join(map(spoken, first))} are {are}, and each explains much that the others "
             f"do not: together they come near any other {other}, so none of them is certain."
         )
-    rest = named - {name} or frozenset({COULOMB})  # alone it is compared with its own limit
+    rest = named - {name}
+    limit = rest | {COULOMB}
+    if not rest or (name in HOLDING_COULOMB and any(one.causes == limit for one in ranking.sets)):
+        rest = limit  # with which it is compared
     return (
         f"{spoken(name)} explains {max(100.0 * part, 1.0):.0f} % of what {_explaining(rest)}: another form of that law "
         "could do the same, so it is not certain that it is a cause of its own."

@@ -235,13 +235,13 @@ def pushes(record: Record) -> bool:
 
 
 def _turned(form: StandardForm | None, understood: Sequence[_Understood]) -> bool:
-    """Whether a positive force moves the encoder downwards: as the responses to steps say; where none does, as a
-    regression says and a fit confirms.
+    """Whether a positive force moves the encoder downwards: as the responses to steps say; where none does, as fits
+    say, which a regression may ask for.
     """
     if form is not None and form.static_gain is not None:
         return _is_turned(form) and (not _doubtful(understood) or _fits_turned(understood))
-    driven = [one.record for one in understood if np.ptp(one.record.force) > 0.0]
-    return opposite_signs.turned(driven) and _fits_turned(understood, MOST_OF)
+    driven = [one for one in understood if np.ptp(one.record.force) > 0.0]
+    return bool(driven) and _far_better_turned(driven, asked=opposite_signs.turned([one.record for one in driven]))
 
 
 def _is_turned(form: StandardForm | None) -> bool:
@@ -257,14 +257,36 @@ def _doubtful(understood: Sequence[_Understood]) -> bool:
     return steps > 2 * sum(len(one.features.responses) for one in understood if np.ptp(one.record.force) > 0.0)
 
 
-def _fits_turned(understood: Sequence[_Understood], part: float = 1.0) -> bool:
-    """Whether with the force turned a plant with dry friction leaves less than ``part`` of its error."""
+def _fits_turned(understood: Sequence[_Understood]) -> bool:
+    """Whether with the force turned a plant with dry friction leaves the smaller error."""
     driven = [one for one in understood if np.ptp(one.record.force) > 0.0]
-    as_it_is, other = (
-        fit(structure(typical_plant(records[0]), sprung=True), records).see
-        for records in ([_usable(one, turned) for one in driven] for turned in (False, True))
+    return _with_friction(driven, True, sprung=True).see < _with_friction(driven, False, sprung=True).see
+
+
+def _far_better_turned(driven: Sequence[_Understood], asked: bool) -> bool:
+    """Whether with the force turned a plant with dry friction, on a spring or without, leaves less than half its error.
+
+    Where no regression asked, the fits decide alone: then the mass must be known with the force turned, and with the
+    force as it is it must be open with a spring and without. Measured: of five axes without a spring, read upright and
+    inverted, the mass was known of all upright ones and of no inverted one.
+    """
+    as_it_is = []
+    for sprung in (True, False):
+        as_it_is.append(_with_friction(driven, False, sprung))
+        if not asked and as_it_is[-1].quantities["mass"].known:
+            return False
+    turned = [_with_friction(driven, True, sprung) for sprung in (True, False)]
+    return any(
+        other.see < MOST_OF * one.see and (asked or other.quantities["mass"].known)
+        for one, other in zip(as_it_is, turned, strict=True)
     )
-    return other < part * as_it_is
+
+
+def _with_friction(driven: Sequence[_Understood], turned: bool, sprung: bool) -> FitResult:
+    """A plant with dry friction, fitted to driven records, the force turned or not."""
+    records = [_usable(one, turned) for one in driven]
+    start = structure(typical_plant(records[0]), sprung)
+    return fit(start, records) if sprung else fit(start, records, fixed={"stiffness": 0.0}, zero="known")
 
 
 def _refuse_units(records: Sequence[Record]) -> None:
