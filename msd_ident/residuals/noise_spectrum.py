@@ -124,7 +124,9 @@ def estimate(residuals: Sequence[FloatArray], readings: Sequence[Readings]) -> N
     bins = _binned(residuals, readings)
     if not bins.fast.any():
         return None
-    tried = [(1.0, 0.0), *((white, memory) for memory in _MEMORIES for white in _WHITE)]
+    # Each record has a start of its own, which takes away what is slower.
+    longest = TENTH * float(np.mean([part.record.samples for part in readings]))
+    tried = [(1.0, 0.0), *((white, memory) for memory in _MEMORIES if memory <= longest for white in _WHITE)]
     shapes = np.array([_shape(bins.frequency, *one) for one in tried])
     likelihood = _log_likelihood(bins, shapes)
     coloured = likelihood.max() > likelihood[0] + math.log(float(bins.fast.sum()))

@@ -34,6 +34,7 @@ _NUDGE = fixed(1e-7, "accuracy", "deviation, in parts of the motion, whose growt
 _UNITS = tuple(10.0 ** np.arange(-1.0, 3.5, 0.5))
 #: Samples that tell a velocity.
 _FEW = int(A_SWING) // 2
+_MOST = fixed(24, "resources", "stretches that are fitted: each has a start, so the work grows by their square")
 _PIECES = fixed(200, "resources", "pieces of a record, of which each pair of start and end is looked at")
 
 
@@ -44,15 +45,17 @@ class Cut:
     Attributes:
         whole: the records that were looked at. Their angles count from where the joint hangs: a stretch is too short to
             tell where that is.
-        parts: of each its stretches; a record along which no motion is unstable alone.
+        parts: of each its stretches, ``_MOST`` in all; a record along which no motion is unstable alone.
         model: whose motion is unstable there.
         zeros: readings at which the joint hangs in each record [rad].
+        cut: stretches into which each record was cut.
     """
 
     whole: tuple[Record, ...]
     parts: tuple[tuple[Record, ...], ...]
     model: Model
     zeros: tuple[float, ...]
+    cut: tuple[int, ...]
 
     @property
     def records(self) -> tuple[Record, ...]:
@@ -90,9 +93,10 @@ class Cut:
         return " ".join(
             f"The motion of {record.name} is unstable: what moves the joint a little moves it more than "
             f"{NATURAL_RANGE:.0f} times as far later on, so no simulation follows the whole record. It was cut into "
-            f"{'1 stretch' if len(parts) == 1 else f'{len(parts)} stretches, each'} with its own start. Angles count "
-            f"from where the joint hangs, {zero:.3g} {record.position_unit} by the encoder."
-            for record, parts, zero in zip(self.whole, self.parts, self.zeros, strict=True)
+            f"{'1 stretch' if count == 1 else f'{count} stretches, each'} with its own start"
+            f"{f', of which {len(parts)} are used' if len(parts) < count else ''}. Angles count from where the joint "
+            f"hangs, {zero:.3g} {record.position_unit} by the encoder."
+            for record, parts, count, zero in zip(self.whole, self.parts, self.cut, self.zeros, strict=True)
             if parts[0] is not record
         )
 
@@ -194,7 +198,15 @@ def by_model(fitted: FitResult, records: Sequence[Record]) -> Cut | None:
 def _cut(model: Model, zeros: tuple[float, ...], records: Sequence[Record]) -> Cut:
     pairs = zip(records, zeros, strict=True)
     whole = tuple(replace(record, position=record.position - zero) for record, zero in pairs)
-    return Cut(whole, tuple(_stretches(model, record) for record in whole), model, zeros)
+    parts = [_stretches(model, record) for record in whole]
+    fewer = max(_MOST // len(parts), 1)
+    used = (part if len(part) <= fewer else tuple(part[i] for i in _spread(len(part), fewer)) for part in parts)
+    return Cut(whole, tuple(used), model, zeros, tuple(map(len, parts)))
+
+
+def _spread(count: int, fewer: int) -> list[int]:
+    """``fewer`` of so many indices, evenly spread."""
+    return [round(place) for place in np.linspace(0, count - 1, fewer)]
 
 
 def _stretches(model: Model, record: Record) -> tuple[Record, ...]:

@@ -433,6 +433,41 @@ def test_motion_before_the_first_sample_of_the_force_is_told() -> None:
     assert force_unknown([finding]) and not force_unknown(check(record))
 
 
+def test_motion_as_the_first_sample_of_the_force_comes_is_told() -> None:
+    """A cart that a force held before the recording, and that the first message lets go."""
+    record = experiment()
+    moved = check(record)
+    onset = observe(record).onset
+    freed = replace(record, force_time=np.array([onset - 0.004, onset + 2.0]), force=np.array([0.0, 9.0]))
+    (finding,) = [one for one in check(freed) if one.code == "force_unknown"]
+    comes = (
+        f"the cart moves when the first sample of the force comes, at {onset - 0.004 - record.time[0]:.3f} s with 0 N"
+    )
+    assert finding.sentence.startswith(comes) and "begin with --start at that time" in finding.sentence
+    assert not force_unknown(moved) and not [one for one in check(freed) if one.code == "clocks_apart"]
+
+
+@pytest.mark.parametrize("evenly", [True, False])
+def test_a_hole_in_a_force_that_is_sent_all_the_time_is_told(evenly: bool) -> None:
+    record = experiment()
+    sent = np.arange(record.time[0], record.time[-1], 0.002)
+    kept = (sent < 2.0) | (sent > 2.8)
+    if not evenly:
+        kept &= np.random.default_rng(1).random(sent.size) < 0.3
+    lost = replace(record, force_time=sent[kept], force=record.force_at(sent[kept]))
+    found = [one for one in check(lost) if one.code == "force_missing"]
+    if not evenly:
+        assert not found
+        return
+    assert found[0].severity == "warning"
+    first = sent[sent < 2.0][-1] - record.time[0]
+    assert f"no sample of the force comes from {first:.3f} to " in found[0].sentence
+    assert "where 500 a second come else: it is taken as " in found[0].sentence
+    whole = replace(lost, force_time=sent, force=record.force_at(sent))
+    assert not [one for one in check(whole) if one.code == "force_missing"]
+    assert not [one for one in check(record) if one.code == "force_missing"]
+
+
 def test_a_force_for_half_of_the_time_is_told() -> None:
     record = experiment()
     time = record.time[: record.samples // 2]

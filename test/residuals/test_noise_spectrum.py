@@ -135,3 +135,12 @@ def test_noise_that_grows_with_speed_keeps_its_level(at: float) -> None:
     left = size * noise(0.0)
     found = found_in(left)
     assert found.growth == pytest.approx(float(np.sqrt(np.mean(left**2))), rel=0.1) and found.memory == 0.0
+
+
+def test_short_stretches_show_no_noise_slower_than_a_tenth_of_them() -> None:
+    """Each has a start of its own, which follows slow noise, and whatever slow force a model lacks."""
+    slow = noise(16.0)
+    long, parts = estimate([slow], [containing(slow)]), np.split(slow, 100)
+    assert long is not None and long.memory > 8.0
+    short = estimate(parts, [containing(one) for one in parts])
+    assert short is not None and short.memory <= 6.0

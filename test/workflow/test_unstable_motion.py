@@ -102,6 +102,24 @@ def test_a_joint_that_is_held_upright_is_cut_where_it_moves() -> None:
         assert np.ptp(part.position) > 2e-3, "no stretch in which only the last digit changes"
 
 
+def test_of_many_stretches_some_are_used_and_that_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A record of a minute was cut into 200: the work had no end, and took 5 GB (public record)."""
+    record = held_upright(6.0)
+    whole = by_model(fitted(JOINT, Initial()), [record])
+    monkeypatch.setattr(unstable_motion, "_MOST", 3)
+    found = by_model(fitted(JOINT, Initial()), [record])
+    assert whole is not None and found is not None and found.cut == whole.cut == (len(whole.records),)
+    assert f"cut into {len(whole.records)} stretches, each with its own start, of which 3 are used." in found.said
+    assert "are used" not in whole.said
+    assert [part.time[0] for part in found.records] == [
+        whole.records[i].time[0] for i in unstable_motion._spread(len(whole.records), 3)
+    ]
+    assert (
+        found.records[0].time[0] == whole.records[0].time[0]
+        and found.records[-1].time[-1] == whole.records[-1].time[-1]
+    )
+
+
 def test_a_regression_finds_the_weight_and_cuts_only_what_is_unstable() -> None:
     time = np.arange(0.0, 4.0, PERIOD)
     hanging = from_samples(time, 0.5 * np.sign(np.sin(3.0 * time)), np.zeros(time.size))
