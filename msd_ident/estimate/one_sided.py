@@ -23,7 +23,9 @@ _FAR = fixed((3.0, 10.0, 30.0), "accuracy", "standard deviations by which the fa
 _MOST = ALIKE - 1.0
 
 
-def open_scale(problem: Problem, point: FloatArray, bread: FloatArray, covariance: FloatArray) -> FloatArray | None:
+def open_scale(
+    problem: Problem, point: FloatArray, bread: FloatArray, covariance: FloatArray, soft: float
+) -> FloatArray | None:
     """The direction (p,) that scales all forces, where on one side the cost hardly rises; None where it does on both.
 
     Args:
@@ -31,6 +33,7 @@ def open_scale(problem: Problem, point: FloatArray, bread: FloatArray, covarianc
         point: (p,) where the fit ended.
         bread: (p, p) JᵀJ there.
         covariance: (p, p) of the entries.
+        soft: residual [m] beyond which the loss grows linearly; 0 for plain squares.
     """
     forces = np.array([name in FORCES for name in problem.names])
     if any(problem.model[name] != 0.0 for name in FORCES.intersection(problem.model.names) - set(problem.names)):
@@ -41,16 +44,19 @@ def open_scale(problem: Problem, point: FloatArray, bread: FloatArray, covarianc
     if not size[main] > 0.0 or not covariance[main, main] > 0.0:
         return None
     spread = float(np.sqrt(covariance[main, main])) / size[main]
-    curvature, before = float(direction @ bread @ direction), _cost(problem, point)
+    curvature, before = float(direction @ bread @ direction), _cost(problem, point, soft)
 
     def rise(step: float) -> float:
         moved = np.clip(point + step * direction, problem.lower, problem.upper)
-        return (_cost(problem, moved) - before) / (curvature * step**2)
+        return (_cost(problem, moved, soft) - before) / (curvature * step**2)
 
     steps = [times * spread for times in _FAR if times * spread <= _MOST]
     return direction if any(rise(side * step) < TENTH for step in steps for side in (-1.0, 1.0)) else None
 
 
-def _cost(problem: Problem, point: FloatArray) -> float:
-    residuals = [problem.residual(point, r) for r in range(len(problem.records))]
-    return sum(float(residual @ residual) for residual in residuals)
+def _cost(problem: Problem, point: FloatArray, soft: float) -> float:
+    """Sum of squares, or of the soft-L1 loss, of all records [m²]."""
+    squares = (problem.residual(point, r) ** 2 for r in range(len(problem.records)))
+    if soft > 0.0:
+        squares = (2.0 * soft**2 * (np.sqrt(1.0 + one / soft**2) - 1.0) for one in squares)
+    return sum(float(np.sum(one)) for one in squares)

@@ -68,7 +68,7 @@ def summarise_fit(problem: Problem, outcome: Solution, floor: float, soft: float
     freedom = effective / max(effective - min(problem.size, 0.5 * effective), 1.0)
     covariance = freedom * inverse @ sums.meat @ inverse
     if not found:
-        found += _of_one_side(problem, outcome.point, sums, covariance)
+        found += _of_one_side(problem, outcome.point, sums, covariance, soft)
     std = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     named = {name for direction in found for name in direction.names}
     loose = identifiability.loose(problem.names, outcome.point, std, problem.scale)
@@ -83,6 +83,7 @@ def summarise_fit(problem: Problem, outcome: Solution, floor: float, soft: float
         quantities=_quantities(problem, outcome.point, std, found),
         free=problem.names[:count],
         covariance=covariance,
+        plain=inverse[:count, :count],
         residuals=sums.residuals,
         see=see(sums.residuals),
         noise_floor=floor,
@@ -96,10 +97,10 @@ def summarise_fit(problem: Problem, outcome: Solution, floor: float, soft: float
 
 
 def _of_one_side(
-    problem: Problem, point: FloatArray, sums: _Sandwich, covariance: FloatArray
+    problem: Problem, point: FloatArray, sums: _Sandwich, covariance: FloatArray, soft: float
 ) -> list[identifiability.OpenDirection]:
     """The scale of all forces as an open direction, where the data shows it on one side alone."""
-    direction = open_scale(problem, point, sums.bread, covariance)
+    direction = open_scale(problem, point, sums.bread, covariance, soft)
     if direction is None:
         return []
     reference = np.maximum(np.abs(point), problem.scale)

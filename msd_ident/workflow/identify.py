@@ -27,6 +27,7 @@ from msd_ident.quantity import Quantity
 from msd_ident.residuals import impulses
 from msd_ident.workflow import known_parameters
 from msd_ident.workflow.identification import Identification, ModelFit
+from msd_ident.workflow.law_error import widened
 from msd_ident.workflow.options import Options
 from msd_ident.workflow.preparation import Prepared, plant_of, prepare, pushes
 from msd_ident.workflow.spring_decision import has_spring
@@ -100,7 +101,7 @@ def identify(
         two_peak_form=two_peaks,
         original=original,
         paper_refined=raised,
-        refined=_with_friction(joint, records, "all parameters together, by simulation error", shifted),
+        refined=_with_friction(_wide(joint, options), records, "all parameters together, by simulation error", shifted),
         noise_floor=floor,
         missing_samples=sum(quality.missing_samples(record) for record in prepared.given),
         warnings=warnings,
@@ -175,7 +176,7 @@ def _linear_fit(records: tuple[Record, ...], joint: FitResult, options: Options)
     """Linear model by simulation error, started from the joint refit's values too."""
     what = "mass, damping and stiffness" if "stiffness" in joint.free else "mass and damping"
     method = f"{what} fitted by simulation error, as no response gives features"
-    return _with_friction(linear_fit(records, joint, options.loss), records, method)
+    return _with_friction(_wide(linear_fit(records, joint, options.loss), options), records, method)
 
 
 def _raised(records: tuple[Record, ...], original: ModelFit) -> ModelFit:
@@ -189,6 +190,11 @@ def _raised(records: tuple[Record, ...], original: ModelFit) -> ModelFit:
     predicted = (found.residual_refined + record.position,)
     method = "m, b and k kept, friction raised from 0 to the smallest SEE, eqs. 2 and 14"
     return ModelFit(found.refined, parameters, found.see_refined, original.initial, predicted, method)
+
+
+def _wide(result: FitResult, options: Options) -> FitResult:
+    """With intervals that hold the error of the laws; wild samples, which another loss is for, are no such error."""
+    return widened(result) if options.loss == "linear" else result
 
 
 def _with_friction(

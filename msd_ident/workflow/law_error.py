@@ -1,0 +1,40 @@
+"""Intervals of an identified model that lacks something.
+
+The covariance of a fit is that of its residual as noise. The error of a law is no noise: it repeats with the motion,
+and a record shows a few features of it, however many samples it has. So the variance v along ν = ``SHAPES`` features is
+
+    v = σ² + (Σ e² − N σ²) / ν,
+
+with the residual e, the noise σ and the number of samples N, and the covariance at least v·(JᵀJ)⁻¹: the rule of
+``diagnosis.intervals``, so that both commands state one interval for one model.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from msd_ident.estimate import FitResult
+from msd_ident.residuals.noise_model import NOISE_ERROR
+from msd_ident.selection.evidence import SHAPES
+
+
+def widened(result: FitResult) -> FitResult:
+    """A fit with intervals that hold the error of its laws; the same where it leaves no more than noise.
+
+    Open and fixed parameters keep their standard deviation.
+    """
+    squares = sum(float(residual @ residual) for residual in result.residuals)
+    noise = result.noise_floor**2
+    beyond = squares - (1.0 + NOISE_ERROR) * result.samples * noise
+    if not beyond > 0.0:
+        return result
+    law = np.sqrt(np.maximum(np.diag(result.plain) * (noise + beyond / SHAPES), 0.0))
+    known = np.sqrt(np.maximum(np.diag(result.covariance), 0.0))
+    growth = np.where(known > 0.0, np.maximum(law / np.where(known > 0.0, known, 1.0), 1.0), 1.0)
+    covariance = result.covariance * np.outer(growth, growth)
+    covariance.setflags(write=False)
+    factor = dict(zip(result.free, growth.tolist(), strict=True))
+    quantities = {name: replace(one, std=one.std * factor.get(name, 1.0)) for name, one in result.quantities.items()}
+    return replace(result, quantities=quantities, covariance=covariance)
