@@ -8,6 +8,7 @@ are not followed.
 
 from __future__ import annotations
 
+import warnings
 import zlib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -88,10 +89,12 @@ class MatFile:
 
 def _variables(path: Path) -> Iterator[tuple[str, Any]]:
     import scipy.io
-    from scipy.io.matlab import MatReadError
+    from scipy.io.matlab import MatReadError, MatReadWarning
 
     try:
-        found = scipy.io.loadmat(path, squeeze_me=True, struct_as_record=False)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", MatReadWarning)  # of objects, which no reader of vectors asks for
+            found = scipy.io.loadmat(path, squeeze_me=True, struct_as_record=False)
     except NotImplementedError:  # scipy's word for version 7.3
         found = _hdf5(path)
     except (PermissionError, IsADirectoryError) as error:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import sys
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -547,3 +548,19 @@ def test_measured_files(file: str, source: SourceOptions, samples: int | None, s
     assert samples is None or record.samples == samples
     assert missing_samples(record) == 0
     assert not [finding for finding in check(record) if finding.code == "missing_samples"]
+
+
+def test_what_scipy_warns_of_in_a_mat_file_is_not_printed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of objects (timeseries) it warned three times, with a path of its own installation."""
+    path = tmp_path / "objects.mat"
+    scipy.io.savemat(path, {"time": T, "force": np.sign(X), "position": X})
+    plain = scipy.io.loadmat
+
+    def warning(*args: object, **options: object) -> object:
+        warnings.warn("Duplicate variable name in stream", scipy.io.matlab.MatReadWarning, stacklevel=2)
+        return plain(*args, **options)
+
+    monkeypatch.setattr(scipy.io, "loadmat", warning)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert read(path).samples == T.size

@@ -367,3 +367,20 @@ def test_under_a_single_tone_the_phase_decides(plant: Plant, sprung: bool, said:
     assert ("a weight over the axis of a joint would do what mass does" in turned_angle.said[0]) is not sprung
     steps = replace(asked, force=np.sign(asked.force))
     assert spring_decision.by_tone((replace(steps, position=simulate(plant, steps).position),)) is None
+
+
+def test_a_shaft_that_turns_many_times_is_on_no_spring() -> None:
+    """A motor's axis (public record) that turned 470 times one way had a spring that carried 53 % of the torque."""
+    time = np.arange(0.0, 20.0, 0.01)
+    asked = from_samples(time, np.where(time < 12.0, 1.0, 0.2), np.zeros(time.size))
+    record = replace(asked, position=simulate(Plant(0.05, 0.05, 0.0), asked).position)
+    assert np.ptp(record.position) > 40.0 * math.pi
+    joint = prepare([replace(record, position_unit="rad", force_unit="N·m")])
+    decision = spring_decision.has_spring(joint, pipeline.Options())
+    assert not decision.sprung and not decision.doubtful
+    turns = np.ptp(record.position) / (2.0 * math.pi)
+    assert decision.said == (
+        f"The joint turns {turns:.0f} times, as no spring does: none is assumed. If there is one, use --model spring.",
+    )
+    few = replace(record, position=0.1 * record.position, position_unit="rad", force_unit="N·m")
+    assert "The joint turns" not in " ".join(spring_decision.has_spring(prepare([few]), pipeline.Options()).said)
