@@ -46,12 +46,13 @@ def open_scale(
     spread = float(np.sqrt(covariance[main, main])) / size[main]
     curvature, before = float(direction @ bread @ direction), _cost(problem, point, soft)
 
-    def rise(step: float) -> float:
+    def is_flat(step: float) -> bool:
         moved = np.clip(point + step * direction, problem.lower, problem.upper)
-        return (_cost(problem, moved, soft) - before) / (curvature * step**2)
+        rise = _cost(problem, moved, soft) - before
+        return rise < TENTH * min(curvature * step**2, before)  # of a motion that bends much the curvature tells little
 
     steps = [times * spread for times in _FAR if times * spread <= _MOST]
-    return direction if any(rise(side * step) < TENTH for step in steps for side in (-1.0, 1.0)) else None
+    return direction if any(is_flat(side * step) for step in steps for side in (-1.0, 1.0)) else None
 
 
 def _cost(problem: Problem, point: FloatArray, soft: float) -> float:

@@ -31,7 +31,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from msd_ident.data.record import FloatArray
-from msd_ident.estimate.levels import MOST_OF, NATURAL_RANGE, TENTH
+from msd_ident.estimate.levels import MOST_OF, NATURAL_RANGE, SHAPES, TENTH
 from msd_ident.model.effects import by_name
 from msd_ident.residuals.noise_model import NOISE_ERROR, Readings
 from msd_ident.residuals.noise_spectrum import NoiseSpectrum
@@ -39,12 +39,6 @@ from msd_ident.residuals.octaves import OCTAVE_SHAPES
 from msd_ident.selection.hypothesis import Causes, Hypothesis
 from msd_ident.tuning import tuned
 
-SHAPES = tuned(
-    8.0,
-    unit="1",
-    why="independent features of a model's error that a record shows, over all frequencies",
-    chosen="with 6 the friction of measured carts is not named; with 12 a disc in air gets hysteresis",
-)
 LEAST_SPREAD = tuned(
     0.03, unit="1", why="part of its prior width that a parameter of a law is never known better than", chosen="by hand"
 )

@@ -11,12 +11,12 @@ from functools import partial
 
 import numpy as np
 
-from msd_ident.estimate.levels import FEWEST, NEGLIGIBLE, TENTH
+from msd_ident.estimate.levels import FEWEST, NEGLIGIBLE, SHAPES, TENTH
 from msd_ident.model.effects import by_name
 from msd_ident.model.effects.typical import speed
 from msd_ident.selection.caveats import Caveats
 from msd_ident.selection.certainty import LEFT_PART
-from msd_ident.selection.evidence import SHAPES, NoiseScale, log_evidence, log_prior
+from msd_ident.selection.evidence import NoiseScale, log_evidence, log_prior
 from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, Causes, Hypothesis, imitated, kinds
 from msd_ident.selection.law_errors import (
     clearness,

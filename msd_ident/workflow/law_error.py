@@ -16,8 +16,8 @@ from dataclasses import replace
 import numpy as np
 
 from msd_ident.estimate import FitResult
+from msd_ident.estimate.levels import SHAPES
 from msd_ident.residuals.noise_model import NOISE_ERROR
-from msd_ident.selection.evidence import SHAPES
 
 
 def widened(result: FitResult) -> FitResult:

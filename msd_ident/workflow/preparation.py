@@ -17,6 +17,7 @@ from msd_ident.errors import DataError, UsageError
 from msd_ident.estimate import FitResult, fit, opposite_signs
 from msd_ident.estimate.base_fits import structure
 from msd_ident.estimate.levels import MOST_OF
+from msd_ident.estimate.single_tone import common_tone
 from msd_ident.features import Features, StandardForm, extract, pool
 from msd_ident.model import Model, Plant
 from msd_ident.model.effects.law import DELAY
@@ -268,14 +269,19 @@ def _far_better_turned(driven: Sequence[_Understood], asked: bool) -> bool:
 
     Where no regression asked, the fits decide alone: then the mass must be known with the force turned, and with the
     force as it is it must be open with a spring and without. Measured: of five axes without a spring, read upright and
-    inverted, the mass was known of all upright ones and of no inverted one.
+    inverted, the mass was known of all upright ones and of no inverted one. Under a single tone a mass alone does with
+    the force turned what a spring does with the force as it is: there a regression must ask, and a spring acts.
     """
+    one_tone = common_tone([one.record for one in driven]) > 0.0
+    if one_tone and not asked:
+        return False
+    structures = (True,) if one_tone else (True, False)
     as_it_is = []
-    for sprung in (True, False):
+    for sprung in structures:
         as_it_is.append(_with_friction(driven, False, sprung))
         if not asked and as_it_is[-1].quantities["mass"].known:
             return False
-    turned = [_with_friction(driven, True, sprung) for sprung in (True, False)]
+    turned = [_with_friction(driven, True, sprung) for sprung in structures]
     return any(
         other.see < MOST_OF * one.see and (asked or other.quantities["mass"].known)
         for one, other in zip(as_it_is, turned, strict=True)

@@ -48,14 +48,14 @@ class Cut:
         parts: of each its stretches, ``_MOST`` in all; a record along which no motion is unstable alone.
         model: whose motion is unstable there.
         zeros: readings at which the joint hangs in each record [rad].
-        cut: stretches into which each record was cut.
+        counts: stretches into which each record was cut.
     """
 
     whole: tuple[Record, ...]
     parts: tuple[tuple[Record, ...], ...]
     model: Model
     zeros: tuple[float, ...]
-    cut: tuple[int, ...]
+    counts: tuple[int, ...]
 
     @property
     def records(self) -> tuple[Record, ...]:
@@ -96,7 +96,7 @@ class Cut:
             f"{'1 stretch' if count == 1 else f'{count} stretches, each'} with its own start"
             f"{f', of which {len(parts)} are used' if len(parts) < count else ''}. Angles count from where the joint "
             f"hangs, {zero:.3g} {record.position_unit} by the encoder."
-            for record, parts, count, zero in zip(self.whole, self.parts, self.cut, self.zeros, strict=True)
+            for record, parts, count, zero in zip(self.whole, self.parts, self.counts, self.zeros, strict=True)
             if parts[0] is not record
         )
 
@@ -115,12 +115,12 @@ def by_regression(records: Sequence[Record]) -> Cut | None:
     if joint is None:
         return None
     tone = by_tone(records)
-    fixed = ("stiffness",) if tone is not None and not tone.sprung else ()
-    if fixed:
+    held = ("stiffness",) if tone is not None and not tone.sprung else ()
+    if held:
         joint = joint.with_values({"stiffness": 0.0})
     starts = [
         (joint.with_values(start.values), tuple(zero for _, _, zero in start.initial))
-        for start in regressed(formulate(joint, tuple(records), fixed, "free"))
+        for start in regressed(formulate(joint, tuple(records), held, "free"))
     ]
     if not starts:
         return None

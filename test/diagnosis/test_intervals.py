@@ -13,6 +13,7 @@ from msd_ident.data.record import Record
 from msd_ident.diagnosis import intervals
 from msd_ident.estimate import FitResult
 from msd_ident.estimate.least_squares import Solution
+from msd_ident.estimate.levels import SHAPES
 from msd_ident.estimate.summary import summarise_fit
 from msd_ident.model import simulate as model_motion
 from msd_ident.model.effects.buffered_stop import BufferedStop
@@ -21,7 +22,7 @@ from msd_ident.model.effects.cubic_spring import CubicSpring
 from msd_ident.model.effects.force_offset import ForceOffset
 from msd_ident.model.rest import slope_at_rest
 from msd_ident.residuals.noise_model import prepare
-from msd_ident.selection.evidence import SHAPES, NoiseScale
+from msd_ident.selection.evidence import NoiseScale
 from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.hypothesis import Hypothesis
 from msd_ident.selection.hypothesis_fit import refine

@@ -12,6 +12,7 @@ from setrigs import BASE, fitted, pushed, steps
 
 from msd_ident.data.record import Record
 from msd_ident.estimate.broyden import State
+from msd_ident.estimate.levels import SHAPES
 from msd_ident.model.effects import by_name
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.periodic_disturbance import PeriodicDisturbance
@@ -63,7 +64,7 @@ def test_far_from_the_noise_only_the_ratio_of_what_is_left_counts(samples: float
     """A record of a hundred swings shows the same wrong law a hundred times: its length is no evidence."""
     scale = evidence.NoiseScale(samples)
     gain = scale.log_likelihood(100.0 * samples) - scale.log_likelihood(110.0 * samples)
-    assert gain == pytest.approx(0.5 * evidence.SHAPES * math.log(109.0 / 99.0), rel=0.01)
+    assert gain == pytest.approx(0.5 * SHAPES * math.log(109.0 / 99.0), rel=0.01)
 
 
 def test_a_law_that_leaves_nothing_but_noise_gains_with_every_sample() -> None:

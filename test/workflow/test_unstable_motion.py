@@ -108,7 +108,7 @@ def test_of_many_stretches_some_are_used_and_that_is_said(monkeypatch: pytest.Mo
     whole = by_model(fitted(JOINT, Initial()), [record])
     monkeypatch.setattr(unstable_motion, "_MOST", 3)
     found = by_model(fitted(JOINT, Initial()), [record])
-    assert whole is not None and found is not None and found.cut == whole.cut == (len(whole.records),)
+    assert whole is not None and found is not None and found.counts == whole.counts == (len(whole.records),)
     assert f"cut into {len(whole.records)} stretches, each with its own start, of which 3 are used." in found.said
     assert "are used" not in whole.said
     assert [part.time[0] for part in found.records] == [
