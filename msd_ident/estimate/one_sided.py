@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from msd_ident.data.record import FloatArray
-from msd_ident.estimate.levels import ALIKE, TENTH
+from msd_ident.estimate.levels import ALIKE, BEYOND_DOUBT, TENTH
 from msd_ident.estimate.problem import Problem
 from msd_ident.model.parameters import FORCES
 from msd_ident.tuning import fixed
@@ -46,10 +46,15 @@ def open_scale(
     spread = float(np.sqrt(covariance[main, main])) / size[main]
     curvature, before = float(direction @ bread @ direction), _cost(problem, point, soft)
 
-    def is_flat(step: float) -> bool:
+    def rise(step: float) -> float:
         moved = np.clip(point + step * direction, problem.lower, problem.upper)
-        rise = _cost(problem, moved, soft) - before
-        return rise < TENTH * min(curvature * step**2, before)  # of a motion that bends much the curvature tells little
+        return _cost(problem, moved, soft) - before
+
+    def is_flat(step: float) -> bool:
+        """Whether the cost rises little, and no further: that of a motion that bends much rises on."""
+        near, further = rise(step), rise(2.0 * step)
+        little = near < min(TENTH * curvature * step**2, BEYOND_DOUBT * before)
+        return little and further < ALIKE * max(near, TENTH * before)
 
     steps = [times * spread for times in _FAR if times * spread <= _MOST]
     return direction if any(is_flat(side * step) for step in steps for side in (-1.0, 1.0)) else None
