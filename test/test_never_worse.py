@@ -13,7 +13,7 @@ from msd_ident.estimate import fit
 from msd_ident.io import read
 from msd_ident.model import Model
 from msd_ident.workflow.pipeline import identify
-from msd_ident.workflow.preparation import typical_plant
+from msd_ident.workflow.starting_plant import typical_plant
 from msd_sim import lottery
 from msd_sim.api import simulate
 

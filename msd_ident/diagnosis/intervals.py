@@ -75,19 +75,13 @@ def stated(
     whole = np.hypot(known, _between(result.free, fitted, rivals))
     if rubbing is not None:
         whole = np.hypot(whole, _unseen(result.free, known, (fitted, rubbing), scale))
-    growth = np.where(noise > 0.0, whole / np.where(noise > 0.0, noise, 1.0), 1.0)
-    covariance = result.covariance * np.outer(growth, growth)
-    covariance.setflags(write=False)
-    factor = dict(zip(result.free, growth.tolist(), strict=True))
-    quantities = {
-        name: replace(quantity, std=quantity.std * factor.get(name, 1.0))
-        for name, quantity in result.quantities.items()
-    }
+    widened = result.with_std(whole)
+    quantities = dict(widened.quantities)
     for name in _beyond_range(quantities, fitted):
         quantities[name] = replace(quantities[name], std=math.nan)
     if not scale_known(quantities):
         quantities |= {name: replace(quantities[name], std=math.nan) for name in result.free if name in FORCES}
-    return replace(result, quantities=quantities, covariance=covariance)
+    return replace(widened, quantities=quantities)
 
 
 def _beyond_range(quantities: Mapping[str, Quantity], fitted: Hypothesis) -> list[str]:

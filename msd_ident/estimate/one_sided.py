@@ -12,6 +12,7 @@ import numpy as np
 
 from msd_ident.data.record import FloatArray
 from msd_ident.estimate.levels import ALIKE, BEYOND_DOUBT, TENTH
+from msd_ident.estimate.objective import SquaredError
 from msd_ident.estimate.problem import Problem
 from msd_ident.model.parameters import FORCES
 from msd_ident.tuning import fixed
@@ -44,25 +45,18 @@ def open_scale(
     if not size[main] > 0.0 or not covariance[main, main] > 0.0:
         return None
     spread = float(np.sqrt(covariance[main, main])) / size[main]
-    curvature, before = float(direction @ bread @ direction), _cost(problem, point, soft)
+    error = SquaredError(problem, soft=soft)
+    curvature, before = float(direction @ bread @ direction), error.cost(point)
 
     def rise(step: float) -> float:
         moved = np.clip(point + step * direction, problem.lower, problem.upper)
-        return _cost(problem, moved, soft) - before
+        return error.cost(moved) - before
 
     def is_flat(step: float) -> bool:
         """Whether the cost rises little, and no further: that of a motion that bends much rises on."""
         near, further = rise(step), rise(2.0 * step)
-        little = near < min(TENTH * curvature * step**2, BEYOND_DOUBT * before)
+        little = near < min(TENTH * 0.5 * curvature * step**2, BEYOND_DOUBT * before)
         return little and further < ALIKE * max(near, TENTH * before)
 
     steps = [times * spread for times in _FAR if times * spread <= _MOST]
     return direction if any(is_flat(side * step) for step in steps for side in (-1.0, 1.0)) else None
-
-
-def _cost(problem: Problem, point: FloatArray, soft: float) -> float:
-    """Sum of squares, or of the soft-L1 loss, of all records [m²]."""
-    squares = (problem.residual(point, r) ** 2 for r in range(len(problem.records)))
-    if soft > 0.0:
-        squares = (2.0 * soft**2 * (np.sqrt(1.0 + one / soft**2) - 1.0) for one in squares)
-    return sum(float(np.sum(one)) for one in squares)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -52,6 +52,19 @@ class FitResult:
     open_directions: tuple[str, ...]
     converged: bool
     message: str
+
+    def with_std(self, std: FloatArray) -> FitResult:
+        """The same values and correlations with other standard deviations (p,) of the free parameters.
+
+        Open and fixed parameters keep theirs.
+        """
+        known = np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
+        growth = np.where(known > 0.0, std / np.where(known > 0.0, known, 1.0), 1.0)
+        covariance = self.covariance * np.outer(growth, growth)
+        covariance.setflags(write=False)
+        factor = dict(zip(self.free, growth.tolist(), strict=True))
+        quantities = {name: replace(one, std=one.std * factor.get(name, 1.0)) for name, one in self.quantities.items()}
+        return replace(self, quantities=quantities, covariance=covariance)
 
     @property
     def samples(self) -> int:

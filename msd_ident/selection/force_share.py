@@ -17,11 +17,11 @@ from msd_ident.estimate.weak_form import WIDTHS, Means, uniform
 from msd_ident.model import Model
 from msd_ident.residuals.noise_model import Readings
 from msd_ident.selection.hypothesis import Hypothesis
-from msd_ident.selection.law_signals import Motion
+from msd_ident.selection.law_signals import along, column
 
 
 def explains_force(fitted: Hypothesis) -> bool:
-    """Whether a set explains at least half of the variance of the applied force, beside the noise of the readings.
+    """Whether a set explains at least half of the mean square of the applied force, beside the noise of the readings.
 
     True where the records are too short to tell, and for a law whose force does not follow from the motion.
     """
@@ -39,15 +39,13 @@ def _left(model: Model, part: Readings, initial: Initial) -> tuple[FloatArray, F
     nothing = np.empty(0)
     if record.samples <= 2 * half + 1:
         return nothing, nothing, nothing
-    grid = uniform(record, initial.zero)
-    means = Means(grid, half)
-    time = grid.period * np.arange(record.samples, dtype=np.float64)
-    motion = Motion(time, grid.position, means.velocity, means.direction, grid.force, model.stiffness)
+    means = Means(uniform(record, initial.zero), half)  # not kept: each set has a zero of its own
+    motion = along(means, model.stiffness)
     if not all(motion.can_tell(type(effect)) for effect in model.effects):
         return nothing, nothing, nothing
     plant = (model.mass, model.damping, model.stiffness)
-    left = means.force - means.plant_columns(grid.position) @ plant
+    left = means.force - means.plant_columns(motion.position) @ plant
     for effect in model.effects:
-        left = left - means.smoothed(motion.force_of(effect)[None, :])[:, 0]
+        left = left - column(effect, motion, means, model)
     noise = np.full(left.size, part.noise * means.noise_gain(plant))
     return left, noise, means.force

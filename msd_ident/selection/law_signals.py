@@ -11,7 +11,8 @@ import numpy as np
 
 from msd_ident.data.compiled import all_pole
 from msd_ident.data.record import FloatArray
-from msd_ident.model import Effect
+from msd_ident.estimate.weak_form import Means
+from msd_ident.model import Effect, Model
 from msd_ident.model.effects.law import DELAY, LAG, PLAY, SECOND_MASS, arguments
 from msd_ident.selection.second_masses import filtered
 
@@ -115,3 +116,26 @@ class Motion:
             change = mass * (self.velocity - self.velocity[0])
             return filtered((fast, slow, 0.0), (1.0, fast, slow), change, float(self.time[1] - self.time[0]))
         return np.zeros(self.time.size)
+
+
+def along(means: Means, stiffness: float) -> Motion:
+    """The motion of which these are the means over bumps.
+
+    Args:
+        means: of a record, from the reading at which its spring is relaxed.
+        stiffness: of a roughly known plant [N/m].
+    """
+    grid = means.grid
+    time = grid.period * np.arange(grid.position.size, dtype=np.float64)
+    return Motion(time, grid.position, means.velocity, means.direction, grid.force, stiffness)
+
+
+def column(effect: Effect, motion: Motion, means: Means, plant: Model) -> FloatArray:
+    """Force (r,) against +x that an effect adds over each bump; an error of the reading is what the plant would have to
+    move it by.
+    """
+    found: FloatArray = means.smoothed(motion.force_of(effect)[None, :])[:, 0]
+    error = motion.error_of(effect)
+    if error is not None:
+        found = found - means.plant_columns(error) @ (plant.mass, plant.damping, plant.stiffness)
+    return found

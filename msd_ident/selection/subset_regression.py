@@ -24,14 +24,14 @@ from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate.effort import KEPT
 from msd_ident.estimate.levels import NULL
 from msd_ident.estimate.problem import Initial
-from msd_ident.estimate.weak_form import WIDTHS, Grid, Means, uniform
+from msd_ident.estimate.weak_form import WIDTHS, Means, uniform
 from msd_ident.model import Effect, Model
 from msd_ident.model.base_model import PLANT
 from msd_ident.model.effects import by_name
 from msd_ident.model.effects.law import SECOND_MASS, STRUCTURAL
 from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.hypothesis import Causes, Hypothesis, causes_that_fit, kinds
-from msd_ident.selection.law_signals import Motion
+from msd_ident.selection.law_signals import Motion, along, column
 from msd_ident.selection.neighbours import LARGEST
 from msd_ident.selection.ranking import LEADERS
 from msd_ident.selection.second_masses import light_masses, second_masses
@@ -286,7 +286,7 @@ def _equation(experiment: Experiment, base: Hypothesis, half: int, effects: Sequ
         plant = means.plant_columns(motion.position)
         plants.append(np.delete(plant, known, axis=1))
         forces.append(means.force - plant[:, known] @ [base_values[i] for i in known])
-        found = np.array([_column(part, motion, means, base.model) for part in parts])
+        found = np.array([column(part, motion, means, base.model) for part in parts])
         found = found.reshape(len(parts), means.force.size).T  # also of no laws
         columns.append(np.where(np.all(np.isfinite(found), axis=0), found, 0.0))  # what runs away is no column
         constants.append(means.constant)
@@ -299,7 +299,7 @@ def _moved(record: Record, zero: float, half: int, base: Hypothesis) -> tuple[Mo
     """A record's motion from its zero, and its means over a bump."""
     grid = record.kept(("grid", zero), partial(uniform, record, zero))
     means = record.kept(("means", zero, half), partial(Means, grid, half))
-    return _motion(record, grid, means, base.model.stiffness), means
+    return along(means, base.model.stiffness), means
 
 
 def _starts(effects: Sequence[Effect]) -> tuple[Start, ...]:
@@ -315,17 +315,3 @@ def _apart(parts: Sequence[FloatArray]) -> FloatArray:
         whole[first : first + part.size, k] = part
         first += part.size
     return whole
-
-
-def _motion(record: Record, grid: Grid, means: Means, stiffness: float) -> Motion:
-    time = grid.period * np.arange(record.samples, dtype=np.float64)
-    return Motion(time, grid.position, means.velocity, means.direction, grid.force, stiffness)
-
-
-def _column(effect: Effect, motion: Motion, means: Means, plant: Model) -> FloatArray:
-    """Column (r,) of an effect; an error of the reading is what the plant would have to move it by."""
-    column: FloatArray = means.smoothed(motion.force_of(effect)[None, :])[:, 0]
-    error = motion.error_of(effect)
-    if error is not None:
-        column = column - means.plant_columns(error) @ (plant.mass, plant.damping, plant.stiffness)
-    return column

@@ -29,8 +29,9 @@ from msd_ident.workflow import known_parameters
 from msd_ident.workflow.identification import Identification, ModelFit
 from msd_ident.workflow.law_error import widened
 from msd_ident.workflow.options import Options
-from msd_ident.workflow.preparation import Prepared, plant_of, prepare, pushes
+from msd_ident.workflow.preparation import Prepared, prepare, pushes
 from msd_ident.workflow.spring_decision import has_spring
+from msd_ident.workflow.starting_plant import plant_of
 
 #: Where the residual is this many noise floors, the model lacks something that deserves a diagnosis.
 SUSPICIOUS = 2.0

@@ -11,8 +11,6 @@ with the residual e, the noise σ and the number of samples N, and the covarianc
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from msd_ident.estimate import FitResult
@@ -30,11 +28,5 @@ def widened(result: FitResult) -> FitResult:
     beyond = squares - (1.0 + NOISE_ERROR) * result.samples * noise
     if not beyond > 0.0:
         return result
-    law = np.sqrt(np.maximum(np.diag(result.plain) * (noise + beyond / SHAPES), 0.0))
-    known = np.sqrt(np.maximum(np.diag(result.covariance), 0.0))
-    growth = np.where(known > 0.0, np.maximum(law / np.where(known > 0.0, known, 1.0), 1.0), 1.0)
-    covariance = result.covariance * np.outer(growth, growth)
-    covariance.setflags(write=False)
-    factor = dict(zip(result.free, growth.tolist(), strict=True))
-    quantities = {name: replace(one, std=one.std * factor.get(name, 1.0)) for name, one in result.quantities.items()}
-    return replace(result, quantities=quantities, covariance=covariance)
+    law = np.diag(result.plain) * (noise + beyond / SHAPES)
+    return result.with_std(np.sqrt(np.maximum(np.diag(result.covariance), law)))

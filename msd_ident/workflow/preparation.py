@@ -14,15 +14,13 @@ from msd_ident.data.quality import Examined, Finding
 from msd_ident.data.quality.finding import Severity
 from msd_ident.data.record import Record
 from msd_ident.errors import DataError, UsageError
-from msd_ident.estimate import FitResult, fit, opposite_signs
-from msd_ident.estimate.base_fits import structure
-from msd_ident.estimate.levels import MOST_OF
-from msd_ident.estimate.single_tone import common_tone
+from msd_ident.estimate import FitResult, opposite_signs
 from msd_ident.features import Features, StandardForm, extract, pool
-from msd_ident.model import Model, Plant
+from msd_ident.model import Model
 from msd_ident.model.effects.law import DELAY
 from msd_ident.residuals.ringdown import RingDown, ring_down
-from msd_ident.workflow import force_hold, force_lead
+from msd_ident.workflow import force_hold, force_lead, turned_force
+from msd_ident.workflow.starting_plant import plant_of, typical_plant
 
 #: What quality finds where a unit is doubtful.
 _UNITS = {"wrong_unit", "wrong_time_unit"}
@@ -105,23 +103,6 @@ def prepare(records: Sequence[Record]) -> Prepared:
     rests = tuple(_rest_before(one, used, form) for one, used in zip(understood, records, strict=True))
     unheld = usable if any(map(force_hold.may_lead, usable)) else ()
     return Prepared(given, records, findings + holds, features, form, warnings, rests, turned, unheld)
-
-
-def typical_plant(record: Record) -> Model:
-    """A plant of the record's typical force, length and time, to start from where there are no features."""
-    force = max(float(np.ptp(record.force_at(record.time))), 1e-9)
-    length = max(float(np.ptp(record.position)), 1e-12)
-    stiffness = force / length
-    mass, damping = stiffness * (record.duration / 20.0) ** 2, 0.1 * stiffness * record.duration
-    return Plant(mass=mass, damping=damping, stiffness=stiffness)
-
-
-def plant_of(form: StandardForm) -> Model:
-    """The plant of a standard form, by eqs. 11 to 13; with a mass of 1 kg if there is no static gain."""
-    if form.physical is not None:
-        return Plant(**{name: quantity.value for name, quantity in form.physical.quantities.items()})
-    frequency, ratio = form.natural_frequency.value, form.damping_ratio.value
-    return Plant(mass=1.0, damping=2.0 * ratio * frequency, stiffness=frequency**2)
 
 
 def _held(records: tuple[Record, ...]) -> tuple[tuple[Record, ...], tuple[Finding, ...]]:
@@ -240,9 +221,19 @@ def _turned(form: StandardForm | None, understood: Sequence[_Understood]) -> boo
     say, which a regression may ask for.
     """
     if form is not None and form.static_gain is not None:
-        return _is_turned(form) and (not _doubtful(understood) or _fits_turned(understood))
-    driven = [one for one in understood if np.ptp(one.record.force) > 0.0]
-    return bool(driven) and _far_better_turned(driven, asked=opposite_signs.turned([one.record for one in driven]))
+        return _is_turned(form) and (not _doubtful(understood) or turned_force.leaves_less(*_both(understood)))
+    asked = opposite_signs.turned([one.record for one in _driven(understood)])
+    return turned_force.leaves_far_less(*_both(understood), asked=asked)
+
+
+def _driven(understood: Sequence[_Understood]) -> list[_Understood]:
+    return [one for one in understood if np.ptp(one.record.force) > 0.0]
+
+
+def _both(understood: Sequence[_Understood]) -> tuple[list[Record], list[Record]]:
+    """The driven records with the force as it is, and turned."""
+    as_it_is, turned = ([_usable(one, turned) for one in _driven(understood)] for turned in (False, True))
+    return as_it_is, turned
 
 
 def _is_turned(form: StandardForm | None) -> bool:
@@ -255,44 +246,7 @@ def _doubtful(understood: Sequence[_Understood]) -> bool:
     from a short standstill, may have the wrong sign.
     """
     steps = sum(int(np.count_nonzero(np.diff(one.record.force))) for one in understood)
-    return steps > 2 * sum(len(one.features.responses) for one in understood if np.ptp(one.record.force) > 0.0)
-
-
-def _fits_turned(understood: Sequence[_Understood]) -> bool:
-    """Whether with the force turned a plant with dry friction leaves the smaller error."""
-    driven = [one for one in understood if np.ptp(one.record.force) > 0.0]
-    return _with_friction(driven, True, sprung=True).see < _with_friction(driven, False, sprung=True).see
-
-
-def _far_better_turned(driven: Sequence[_Understood], asked: bool) -> bool:
-    """Whether with the force turned a plant with dry friction, on a spring or without, leaves less than half its error.
-
-    Where no regression asked, the fits decide alone: then the mass must be known with the force turned, and with the
-    force as it is it must be open with a spring and without. Measured: of five axes without a spring, read upright and
-    inverted, the mass was known of all upright ones and of no inverted one. Under a single tone a mass alone does with
-    the force turned what a spring does with the force as it is: there a regression must ask, and a spring acts.
-    """
-    one_tone = common_tone([one.record for one in driven]) > 0.0
-    if one_tone and not asked:
-        return False
-    structures = (True,) if one_tone else (True, False)
-    as_it_is = []
-    for sprung in structures:
-        as_it_is.append(_with_friction(driven, False, sprung))
-        if not asked and as_it_is[-1].quantities["mass"].known:
-            return False
-    turned = [_with_friction(driven, True, sprung) for sprung in structures]
-    return any(
-        other.see < MOST_OF * one.see and (asked or other.quantities["mass"].known)
-        for one, other in zip(as_it_is, turned, strict=True)
-    )
-
-
-def _with_friction(driven: Sequence[_Understood], turned: bool, sprung: bool) -> FitResult:
-    """A plant with dry friction, fitted to driven records, the force turned or not."""
-    records = [_usable(one, turned) for one in driven]
-    start = structure(typical_plant(records[0]), sprung)
-    return fit(start, records) if sprung else fit(start, records, fixed={"stiffness": 0.0}, zero="known")
+    return steps > 2 * sum(len(one.features.responses) for one in _driven(understood))
 
 
 def _refuse_units(records: Sequence[Record]) -> None:

@@ -26,8 +26,9 @@ from msd_ident.model import Model, Simulator
 from msd_ident.model.base_model import DryFriction
 from msd_ident.model.effects import LIBRARY, typical
 from msd_ident.tuning import fixed
-from msd_ident.workflow.preparation import Prepared, typical_plant
+from msd_ident.workflow.preparation import Prepared
 from msd_ident.workflow.spring_decision import by_tone
+from msd_ident.workflow.starting_plant import typical_plant
 
 _NUDGE = fixed(1e-7, "accuracy", "deviation, in parts of the motion, whose growth is followed: far above rounding")
 #: Units of velocity, in that of the motion's, in which a growth is looked at.

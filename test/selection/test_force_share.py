@@ -16,6 +16,7 @@ from msd_ident.model import Model, Plant, simulate
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.gravity import Gravity
 from msd_ident.model.effects.hysteresis import Hysteresis
+from msd_ident.model.effects.sensor_eccentricity import SensorEccentricity
 from msd_ident.residuals import noise_model
 from msd_ident.selection.force_share import explains_force
 
@@ -78,3 +79,13 @@ def test_a_simulated_rig_explains_its_own_force() -> None:
     record = replace(still, position=simulate(rig, still).position)
     assert explains_force(fitted(rig, record))
     assert not explains_force(fitted(Plant(1.0, 0.4, 60.0) + CoulombFriction(0.1), record))
+
+
+def test_an_error_of_the_reading_is_no_force() -> None:
+    """The wheel's eccentricity ripples the reading; its second derivative times the mass is more than the force."""
+    heavy, ripple = replace(JOINT, mass=11.5), SensorEccentricity(2e-3, 0.1, 0.3)
+    record = led(0.0)
+    force = record.force - 10.0 * RATE**2 * np.sin(RATE * record.time)
+    wrong = 2e-3 * np.sin(2.0 * math.pi * record.position / 0.1 + 0.3)
+    read = replace(record, position=record.position + wrong, force=force)
+    assert explains_force(fitted(heavy + ripple, read)) and not explains_force(fitted(heavy, read))

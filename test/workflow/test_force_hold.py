@@ -21,7 +21,8 @@ from msd_ident.model.base_model import DryFriction
 from msd_ident.model.effects import by_name
 from msd_ident.workflow import pipeline
 from msd_ident.workflow.force_hold import choose_hold, is_open, stands_for_a_hold, with_hold
-from msd_ident.workflow.preparation import prepare, typical_plant
+from msd_ident.workflow.preparation import prepare
+from msd_ident.workflow.starting_plant import typical_plant
 from msd_sim import api
 
 #: Fine steps per sample, and sampling period [s]: eight samples an oscillation.

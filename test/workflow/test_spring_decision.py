@@ -25,7 +25,8 @@ from msd_ident.residuals.unexplained import Remainder, Remainders
 from msd_ident.workflow import pipeline, spring_decision
 from msd_ident.workflow.diagnose import _does_without
 from msd_ident.workflow.identification import Identification
-from msd_ident.workflow.preparation import prepare, typical_plant
+from msd_ident.workflow.preparation import prepare
+from msd_ident.workflow.starting_plant import typical_plant
 from msd_sim import api, lottery
 
 STEP = 2e-5

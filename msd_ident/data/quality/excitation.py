@@ -63,6 +63,10 @@ def excitation(record: Record, motion: Motion) -> Iterator[Finding]:
 
 def single_tone(record: Record) -> float:
     """Frequency [Hz] of the only tone in force and motion; 0 if there are more."""
+    return record.kept("single tone", lambda: _tone(record), small=True)
+
+
+def _tone(record: Record) -> float:
     line, of_force = _strongest(record.force_at(record.time))
     same, of_motion = _strongest(record.position)
     alone = of_force > _TONE_OF_FORCE and of_motion > _TONE_OF_MOTION and line == same >= _PERIODS
