@@ -29,6 +29,8 @@ class Caveats:
         further: causes that may be another form of the other laws, each with the part of what those explain that it
             explains (``law_errors.further_parts``).
         clear: how clearly the set needs each of its causes (``law_errors.clearness``).
+        rubs: laws with Coulomb friction as a limit, and how clearly the set needs one of the two
+            (``law_errors.clear_as_friction``).
         instead: of a set within ``NEAR`` that leaves more than noise, the sets without each of its causes, with the
             odds of this set beside each (``law_errors.instead``).
         slow: causes of whose periods the records hold too few: less than one of a motion that they bring, or less than
@@ -54,6 +56,7 @@ class Caveats:
     missed: float = 0.0
     further: Mapping[str, float] = field(default_factory=dict)
     clear: Mapping[str, float] = field(default_factory=dict)
+    rubs: Mapping[str, float] = field(default_factory=dict)
     instead: Others = field(default_factory=dict)
     slow: frozenset[str] = frozenset()
     seldom: frozenset[str] = frozenset()
@@ -74,6 +77,7 @@ class Caveats:
             causes=new(self.causes),
             further={names.get(name, name): part for name, part in self.further.items()},
             clear={names.get(name, name): odds for name, odds in self.clear.items()},
+            rubs={names.get(name, name): odds for name, odds in self.rubs.items()},
             instead={names.get(name, name): odds for name, odds in self.instead.items()},
             slow=new(self.slow),
             seldom=new(self.seldom),
@@ -90,7 +94,9 @@ class Caveats:
             return self
         return replace(self, exact=self.exact and other.exact, leaves=max(self.leaves, other.leaves))
 
-    def greatest(self, law: str, among: frozenset[str] = frozenset(), *, rich: bool, steered: bool) -> float:
+    def greatest(
+        self, law: str, among: frozenset[str] = frozenset(), *, rich: bool, steered: bool, rubs: bool = False
+    ) -> float:
         """Greatest probability that a law of the set acts, or one of other causes in its place, if the set is right.
 
         Args:
@@ -98,9 +104,12 @@ class Caveats:
             among: the causes that may act in its place.
             rich: whether the experiment excites more than one kind of motion (``excitation.poor``).
             steered: whether a controller computes the force from the readings.
+            rubs: whether Coulomb friction may act in the place of a law that holds it as a limit.
         """
-        limits = [self._beside_same_motion(law, among, rich), self._beside_what_is_left(law, among)]
-        if law in self.further:
+        either = rubs and law in self.rubs
+        clear = (self.rubs if either else self.clear).get(law, math.inf)
+        limits = [self._beside_same_motion(law, among, rich), self._beside_what_is_left(law, among, clear)]
+        if law in self.further and not either:
             limits.append(self._of_its_own(law, rich))
         if self._never_certain(law, rich, steered):
             limits.append(CERTAIN_ODDS)
@@ -174,16 +183,16 @@ class Caveats:
         drifts = any(not one.steady and (one.harmonic is None or one.name in self.slow) for one in others)
         return law in self.slow and not along and drifts
 
-    def _beside_what_is_left(self, law: str, among: frozenset[str]) -> float:
+    def _beside_what_is_left(self, law: str, among: frozenset[str], over_left: float) -> float:
         """Greatest odds of a law beside what the set leaves above the noise, which may move like it.
 
-        They are no more than what the cause explains over what is left (``clear``), and than what ``instead`` gives,
+        They are no more than what the cause explains over what is left, ``over_left``, and than what ``instead`` gives,
         but not less than ``FORM_ODDS`` allows; of one that explains less than is left, its usual odds, even for most.
         More than these count only as far as it explains more than is left.
         """
         if self.exact:
             return math.inf
-        effect, over_left, others = by_name(law), self.clear.get(law, math.inf), self.beside_others(law, among)
+        effect, others = by_name(law), self.beside_others(law, among)
         clear = min(over_left, self._shaped(law))
         clear = min(clear * max(min(clear, usual(effect)), 1.0), others)
         least = FORM_ODDS * Effect.prior_odds

@@ -31,4 +31,4 @@ def with_left_out(ranking: Ranking, best: Hypothesis, heldout: HeldOut, scale: N
         return ranking
     times = heldout.see_extended / fitted
     clear = clearness(best.causes, {one.causes: one for one in ranking.sets}, scale, times)
-    return ranking.with_caveats(best.causes, exact=False, clear=clear, missed=times)
+    return ranking.with_caveats(best.causes, exact=False, clear=clear, rubs={}, missed=times)

@@ -90,16 +90,30 @@ def other_forms(causes: Causes, sets: Mapping[Causes, Hypothesis], noise: float)
     one that explains most may be an error of its shape, whatever it explains: two curves over the position come near
     any third one. So may each curve of the sensor, and each linear filter of the force.
     """
+    found = _beyond_others(causes, sets, noise)
+    for name, part in _beyond_coulomb(causes, sets, noise).items():
+        found[name] = min(part, found.get(name, part))
+    return found
+
+
+def _beyond_others(causes: Causes, sets: Mapping[Causes, Hypothesis], noise: float) -> dict[str, float]:
+    """Causes that may be another form of the other laws of the set, see ``other_forms``."""
     parts, exact = further_parts(causes, sets), leaves_noise(sets[causes], noise)
     rough = {name for name in parts if not exact or sets[_fitted(causes - {name}, sets)].chi < ROUGH**2 * noise}
     found = {name: part for name, part in parts.items() if part <= (FORM_PART if name in rough else LEAST_SPREAD)}
     if not exact:
         found |= {name: parts.get(name, math.inf) for name in _further_curves(causes, parts)}
+    return found
+
+
+def _beyond_coulomb(causes: Causes, sets: Mapping[Causes, Hypothesis], noise: float) -> dict[str, float]:
+    """Laws with Coulomb friction as a limit that may be another form of it, with what they explain beyond it."""
+    found = {}
     for name in causes & set(HOLDING_COULOMB):
         limit = causes - {name} | {COULOMB}
         part = _part_beyond(limit, causes, sets)
         if part <= LEAST_SPREAD or (part <= FORM_PART and sets[limit].chi < FAINT**2 * noise):
-            found[name] = min(part, found.get(name, part))
+            found[name] = part
     return found
 
 
@@ -127,15 +141,45 @@ def clearness(
         scale: gives the noise.
         times: error on left-out data over that of the fit, if the set leaves as much there (``generalization``).
     """
-    found, left, most = {}, times**2 * sets[causes].chi - scale.noise, math.inf
+    found = _clear_of_less(causes, sets, scale, times)
+    for name in causes & set(HOLDING_COULOMB):
+        limit = causes - {name} | {COULOMB}
+        if limit in sets:
+            found[name] = min(_clear_of(limit, causes, sets, scale, times), found.get(name, math.inf))
+    return found
+
+
+def clear_as_friction(causes: Causes, sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> dict[str, float]:
+    """Laws of a set with Coulomb friction as a limit, and how clearly it needs one of the two (``clearness``).
+
+    Those that may be another form of the other causes are left out: friction itself is in doubt there.
+
+    Args:
+        causes: the set.
+        sets: all fitted sets by their causes.
+        scale: gives the noise.
+    """
+    beside = _beyond_others(causes, sets, scale.noise)
+    clear = _clear_of_less(causes, sets, scale, 1.0)
+    return {name: odds for name, odds in clear.items() if name in HOLDING_COULOMB and name not in beside}
+
+
+def _clear_of_less(
+    causes: Causes, sets: Mapping[Causes, Hypothesis], scale: NoiseScale, times: float
+) -> dict[str, float]:
+    """``clearness`` beside the sets that lack a cause each."""
+    less = {name: _fitted(causes - {name}, sets) for name in causes}
+    return {name: _clear_of(one, causes, sets, scale, times) for name, one in less.items() if one in sets}
+
+
+def _clear_of(
+    simpler: Causes, causes: Causes, sets: Mapping[Causes, Hypothesis], scale: NoiseScale, times: float
+) -> float:
+    """``clearness`` beside one simpler set."""
+    left, most = times**2 * sets[causes].chi - scale.noise, math.inf
     if times <= 1.0 and leaves_noise(sets[causes], scale.noise):
         left, most = NOISE_ERROR * scale.noise, CERTAIN_ODDS if scale.other_noise else math.inf
-    for name in causes:
-        limits = [_fitted(causes - {name}, sets), causes - {name} | {COULOMB}][: 1 + (name in HOLDING_COULOMB)]
-        gains = [sets[limit].chi - sets[causes].chi for limit in limits if limit in sets]
-        if gains:
-            found[name] = min(max(min(gains), 0.0) / left, most)
-    return found
+    return min(max(sets[simpler].chi - sets[causes].chi, 0.0) / left, most)
 
 
 def instead(causes: Causes, sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> dict[str, dict[Causes, float]]:

@@ -19,6 +19,7 @@ from msd_ident.selection.certainty import LEFT_PART
 from msd_ident.selection.evidence import NoiseScale, log_evidence, log_prior
 from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, Causes, Hypothesis, imitated, kinds
 from msd_ident.selection.law_errors import (
+    clear_as_friction,
     clearness,
     instead,
     leaves_noise,
@@ -69,6 +70,7 @@ def _caveats(causes: Causes, sets: Mapping[Causes, Hypothesis], scale: NoiseScal
         leaves=left if left > LEFT_PART else 0.0,
         further=other_forms(causes, sets, scale.noise),
         clear=clearness(causes, sets, scale),
+        rubs=clear_as_friction(causes, sets, scale),
         instead=instead(causes, sets, scale) if near else {},
         slow=fitted.kept("slow", partial(_slow, fitted)),
         seldom=frozenset() if exact else fitted.kept("seldom", partial(_seldom, fitted)),

@@ -9,7 +9,7 @@ from typing import Any
 from msd_ident.model.effects import by_name
 from msd_ident.selection.caveats import Caveats
 from msd_ident.selection.certainty import CERTAIN, CERTAIN_ODDS, certain, probability_at, uncertain, usual
-from msd_ident.selection.hypothesis import Causes, Hypothesis, kinds
+from msd_ident.selection.hypothesis import COULOMB, Causes, Hypothesis, kinds
 from msd_ident.tuning import tuned
 
 DECISIVE = tuned(
@@ -143,12 +143,14 @@ class Ranking:
     def of_any(self, names: Iterable[str]) -> float:
         """Probability that at least one of these causes acts, in whatever law: of all sets that hold any of them.
 
-        What makes it doubtful which of them acts does not make it doubtful that one does.
+        What makes it doubtful which of them acts does not make it doubtful that one does. Coulomb friction among
+        others may act in the place of a law that holds it as a limit, also of one that is a form of it.
         """
-        asked = kinds(names)
-        found = self._of_any_by_sets(asked)
+        names = frozenset(names)
+        asked, rubs = kinds(names), COULOMB in names and len(names) > 1
+        found = self._of_any_by_sets(asked, rubs)
         own = [law for law in self.best.causes if by_name(law).cause() in asked]
-        told = {"rich": self.rich, "steered": self.steered}
+        told = {"rich": self.rich, "steered": self.steered, "rubs": rubs}
         most = max((self.leader_caveats.greatest(law, asked, **told) for law in own), default=1.0)
         if not certain(most):
             found = min(found, most if self.leader_caveats.leaves else max(most, CERTAIN))
@@ -162,7 +164,7 @@ class Ranking:
         """Probability of a cause that the sets give together, before what limits it whatever the set."""
         return self._of_any_by_sets(kinds((name,)))
 
-    def _of_any_by_sets(self, asked: frozenset[str]) -> float:
+    def _of_any_by_sets(self, asked: frozenset[str], rubs: bool = False) -> float:
         """Probability that one of these causes acts, as the sets give it together.
 
         A set with a law of another cause that gives the same motion as one of them (``alike``) counts as well.
@@ -170,7 +172,8 @@ class Ranking:
         found, told = 0.0, {"rich": self.rich, "steered": self.steered}
         for fitted, p in zip(self.sets, self.probability, strict=True):
             caveats = self.caveats_of(fitted.causes)
-            own = [caveats.greatest(law, asked, **told) for law in fitted.causes if by_name(law).cause() in asked]
+            laws = [law for law in fitted.causes if by_name(law).cause() in asked]
+            own = [caveats.greatest(law, asked, rubs=rubs, **told) for law in laws]
             twins = [law for law, twin in caveats.alike.items() if by_name(twin).cause() in asked]
             found += p * max((*own, *(caveats.of_same_motion(law, **told) for law in twins)), default=0.0)
         return found

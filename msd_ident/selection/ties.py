@@ -14,6 +14,7 @@ from msd_ident.selection.ranking import DECISIVE, Ranking
 def tied(ranking: Ranking, name: str) -> tuple[str, ...]:
     """Causes that could replace a cause of the leading set: with its other causes, or in a set of their own.
 
+    Coulomb friction is one where it does nearly what a law does that holds it as a limit: that either acts is surer.
     Where the leading set leaves more than noise, these are also causes of sets beside which ``name`` is not certain
     (``Caveats.instead``). Those in a set of their own count only if ``name`` is not certain. A cause that is left out
     although it is more probable always counts.
@@ -25,6 +26,7 @@ def tied(ranking: Ranking, name: str) -> tuple[str, ...]:
     sure, named = ranking.of_cause(name), ranking.best.causes
     found = list(alternatives(ranking, name))
     found += [other for law, other in ranking.leader_caveats.alike.items() if law == name]
+    found += _coulomb_in_place(ranking, name)
     found += [] if certain(sure) else _instead(ranking, name)
     if not found and not certain(sure):
         kind = by_name(name).cause()
@@ -49,7 +51,8 @@ def in_place(ranking: Ranking, named: Causes) -> dict[Causes, float]:
     free = 1.0 - ranking.stated(named)
     for name in sorted(named):
         rivals, own, rest = tied(ranking, name), ranking.of_cause(name), named - {name}
-        missing = ranking.of_any((name, *rivals)) - own - sum(ranking.of_cause(rival) for rival in rivals)
+        others = [rival for rival in rivals if by_name(rival).cause() != by_name(name).cause()]
+        missing = ranking.of_any((name, *rivals)) - own - sum(ranking.of_cause(rival) for rival in others)
         sets = [one.causes for one in ranking.sets if one.causes in [rest | {rival} for rival in rivals]]
         if missing > ROUNDING and sets:
             likeliest = max(sets, key=ranking.of_set)
@@ -57,6 +60,12 @@ def in_place(ranking: Ranking, named: Causes) -> dict[Causes, float]:
             found[likeliest] = max(before, min(before + missing, own, free))
             free -= found[likeliest]
     return found
+
+
+def _coulomb_in_place(ranking: Ranking, name: str) -> list[str]:
+    """Coulomb friction, if it may act in the place of a law of the leading set."""
+    either = ranking.of_any((name, COULOMB)) if name in ranking.leader_caveats.rubs else 0.0
+    return [COULOMB] if either > ranking.of_cause(name) + ROUNDING and not certain(ranking.of_cause(name)) else []
 
 
 def _instead(ranking: Ranking, name: str) -> list[str]:

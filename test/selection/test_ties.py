@@ -8,6 +8,7 @@ from setrigs import BASE, fitted, ranked, steps
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.cubic_spring import CubicSpring
 from msd_ident.model.effects.gravity import Gravity
+from msd_ident.model.effects.smooth_friction import SmoothFriction
 from msd_ident.model.effects.stribeck_friction import StribeckFriction
 from msd_ident.selection.certainty import certain
 from msd_ident.selection.ranking import DECISIVE
@@ -77,3 +78,27 @@ def test_what_adds_up_stays_as_it_is() -> None:
     stribeck = fitted(steps(), BASE + StribeckFriction(0.1, 0.2, 0.01), 850.0, known=30.0)
     found = ranked({"coulomb": coulomb, "stribeck": stribeck})
     assert in_place(found, found.best.causes) == {}
+
+
+@pytest.mark.parametrize("law", [SmoothFriction(0.1, 0.01), StribeckFriction(0.1, 0.2, 0.01)])
+@pytest.mark.parametrize(("coulomb", "tie"), [(20.0, True), (400.0, False)])
+@pytest.mark.parametrize("left", [1.0, 1.5])
+def test_that_dry_friction_acts_is_not_doubted_where_its_form_is(
+    law: SmoothFriction | StribeckFriction, coulomb: float, tie: bool, left: float
+) -> None:
+    """``coulomb`` and ``left`` are what Coulomb friction and another law of friction leave, in noise floors."""
+    found = ranked(
+        {
+            "nothing": fitted(steps(), BASE, 840.0 * 1000.0**2),
+            "coulomb": fitted(steps(), BASE + CoulombFriction(0.1), 840.0 * coulomb**2),
+            "law": fitted(steps(), BASE + law, 840.0 * left**2),
+        }
+    )
+    assert found.best.causes == {law.name}
+    assert certain(found.of_cause(law.name)) is not tie
+    assert tied(found, law.name) == (("coulomb_friction",) if tie else ())
+    assert certain(found.of_any((law.name, "coulomb_friction")))
+    if tie:
+        least = in_place(found, found.best.causes)
+        assert least.keys() == {frozenset({"coulomb_friction"})}
+        assert found.stated(found.best.causes) + sum(least.values()) <= 1.0 + 1e-9
