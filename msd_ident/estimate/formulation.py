@@ -95,16 +95,16 @@ def starts_unpushed(record: Record, at_rest: bool) -> bool:
 
     Args:
         record: a record without any force does not count.
-        at_rest: result of ``starts_at_rest``. If False, the push must come within the first sample period and must
-            not go on from before the record, and the velocity at the first sample must be zero within its uncertainty.
-            If no parabola passes through the first samples, they do not show that velocity.
+        at_rest: result of ``starts_at_rest``. If False, the push must come by the second sample and must not go on
+            from before the record, and the velocity at the first sample must be zero within its uncertainty. If no
+            parabola passes through the first samples, they do not show that velocity.
     """
     pushes = np.flatnonzero(record.force)
     if not pushes.size or record.force_time[pushes[0]] < record.time[0]:
         return False
     if at_rest:
         return True
-    early = record.force_time[pushes[0]] <= record.time[0] + record.period
+    early = record.force_time[pushes[0]] <= record.time[1]
     count = max(4, min(record.samples // 500, 40))
     within = int(np.searchsorted(record.force_time, record.time[count - 1], side="right"))
     if _goes_on(record.force[pushes[0] : within]):

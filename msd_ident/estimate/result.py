@@ -25,7 +25,9 @@ class FitResult:
             std 0, those that the data leaves open NaN.
         free: names of the fitted parameters, in the order of ``covariance``.
         covariance: (p, p) of the free parameters; along open directions it holds no information (see ``open``).
-        plain: (p, p) the same for a residual of unit variance whose samples are independent, (JᵀJ)⁻¹ [1/m²].
+        plain: (p, p) the part of the readings for a residual of unit variance whose samples are independent: (JᵀJ)⁻¹
+            where nothing else is known [1/m²].
+        rest: (p, p) the part of the rest at the start (``formulation.balanced``).
         residuals: model − data (n,) of each record, in the position unit.
         see: standard error of estimate over all records, eq. 14.
         noise_floor: rms that noise and encoder step leave with the true model, in the position unit; NaN when the
@@ -43,6 +45,7 @@ class FitResult:
     free: tuple[str, ...]
     covariance: FloatArray
     plain: FloatArray
+    rest: FloatArray
     residuals: tuple[FloatArray, ...]
     see: float
     noise_floor: float

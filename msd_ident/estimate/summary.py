@@ -34,8 +34,10 @@ class _Sandwich:
     """Sums over all records.
 
     Attributes:
-        bread: (p, p) JᵀJ.
-        meat: (p, p) JᵀΓJ.
+        bread: (p, p) JᵀJ, with the rest at the start.
+        meat: (p, p) JᵀΓJ, with the rest at the start.
+        rest: (p, p) the part of ``meat`` that is the rest at the start.
+        readings: (p, p) the part of ``bread`` that is the readings'.
         pinned: (p, p) information that does not come from samples.
         residuals: one (n,) for each record.
         effective: number of independent samples.
@@ -43,6 +45,8 @@ class _Sandwich:
 
     bread: FloatArray
     meat: FloatArray
+    rest: FloatArray
+    readings: FloatArray
     pinned: FloatArray
     residuals: tuple[FloatArray, ...]
     effective: float
@@ -83,7 +87,8 @@ def summarise_fit(problem: Problem, outcome: Solution, floor: float, soft: float
         quantities=_quantities(problem, outcome.point, std, found),
         free=problem.names[:count],
         covariance=covariance,
-        plain=inverse[:count, :count],
+        plain=(inverse @ sums.readings @ inverse)[:count, :count],
+        rest=(inverse @ sums.rest @ inverse)[:count, :count],
         residuals=sums.residuals,
         see=see(sums.residuals),
         noise_floor=floor,
@@ -134,7 +139,7 @@ def _sandwich(problem: Problem, outcome: Solution, soft: float) -> _Sandwich:
     matrix = outcome.matrix if outcome.matrix is not None else SquaredError(problem).linearise(point).matrix
     steps = 10.0 * problem.steps(matrix)
     size = problem.size
-    bread, meat, pinned = np.zeros((size, size)), np.zeros((size, size)), np.zeros((size, size))
+    bread, meat, rest, pinned = (np.zeros((size, size)) for _ in range(4))
     residuals, pulls, effective = [], [], 0.0
     for r, record in enumerate(problem.records):
         residual, jacobian = problem.central(point, r, steps)
@@ -149,15 +154,16 @@ def _sandwich(problem: Problem, outcome: Solution, soft: float) -> _Sandwich:
         residuals.append(residual)
         pulls.append(pull)
         effective += found.effective_samples
+    readings = bread.copy()
     if problem.balances:
         fitted = problem.model.with_values(problem.values(point))
         resting = [balance.record for balance in problem.balances]
         for balance in balanced(problem, fitted, see(pulls), resting).balances:
             _, slope = problem.imbalance(point, balance)
             bread += balance.weight * np.outer(slope, slope)
-            meat += (balance.weight * balance.spread) ** 2 * np.outer(slope, slope)
+            rest += (balance.weight * balance.spread) ** 2 * np.outer(slope, slope)
             pinned += np.outer(slope, slope) / balance.spread**2
-    return _Sandwich(bread, meat, pinned, tuple(residuals), effective)
+    return _Sandwich(bread, meat + rest, rest, readings, pinned, tuple(residuals), effective)
 
 
 def _open(

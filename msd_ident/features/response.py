@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -82,6 +84,7 @@ def step_response(record: Record, onset: Onset, noise: Noise, earlier: Response 
     if earlier is None and not (still and _moves_soon(record, onset, time, position)):
         return None
     turns = _after_start(extremes(time, position, noise.floor), time)
+    turns = () if _swings_more_later(turns, time, position) else turns
     settled = settled_value(position, noise)
     found = oscillation.all_peaks(turns, settled, noise.unit)
     if found is None:
@@ -109,6 +112,15 @@ def step_response(record: Record, onset: Onset, noise: Noise, earlier: Response 
     )
 
 
+def _swings_more_later(turns: Sequence[Extreme], time: FloatArray, position: FloatArray) -> bool:
+    """Whether the cart goes further after the last turning point of a decay than between any two of it: those are
+    noise on a slower motion, or another one.
+    """
+    used = oscillation.significant(turns)
+    widest = max((abs(two.value - one.value) for one, two in pairwise(used)), default=math.inf)
+    return widest < math.inf and float(np.ptp(position[time >= used[-1].time])) > widest
+
+
 def with_dead_width(responses: tuple[Response, ...]) -> tuple[Response, ...]:
     """Responses with the uncertainty of rest values, and so of K, increased for dry friction (``dead_width``)."""
     width = max((oscillation.dead_width(response.turns) for response in responses), default=0.0) / math.sqrt(3.0)
@@ -132,7 +144,7 @@ def _at_rest(record: Record, onset: Onset, noise: Noise, swing: float) -> bool:
     """Whether the cart was at rest when the force stepped."""
     before = _last_before(record, onset)
     if before.size < FEWEST:
-        return _starts_still(record, noise.floor, swing)
+        return _starts_still(record, noise, swing)
     return is_quiet(before, noise) or float(np.ptp(before)) <= 0.003 * swing
 
 
@@ -166,14 +178,17 @@ def _initial(record: Record, onset: Onset, noise: Noise) -> Quantity:
     return rest_value(before, noise)
 
 
-def _starts_still(record: Record, floor: float, swing: float) -> bool:
+def _starts_still(record: Record, noise: Noise, swing: float) -> bool:
     """Whether a record that begins with the step begins at rest.
 
-    A cubic through the first samples, until the cart is a twentieth of the swing away: from rest the way grows with
-    the square of the time, so the slope at the start has hardly a part in it.
+    Nothing moves in the first half of the samples until the cart is a twentieth of the swing away: it sticks, or the
+    encoder is coarse. Or a cubic through these samples: from rest the way grows with the square of the time, so the
+    slope at the start has hardly a part in it.
     """
-    away = np.flatnonzero(np.abs(record.position - record.position[0]) > max(0.05 * swing, 10.0 * floor))
+    away = np.flatnonzero(np.abs(record.position - record.position[0]) > max(0.05 * swing, 10.0 * noise.floor))
     count = max(8, int(away[0]) + 1) if away.size else record.samples
+    if is_quiet(record.position[: count // 2], noise):
+        return True
     u = np.arange(count) / (count - 1.0)
     slope = float(np.polynomial.polynomial.polyfit(u, record.position[:count], 3)[1])
     return abs(slope) <= 0.4 * float(np.ptp(record.position[:count]))

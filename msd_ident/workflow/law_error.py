@@ -6,7 +6,8 @@ and a record shows a few features of it, however many samples it has. So the var
     v = σ² + (Σ e² − N σ²) / ν,
 
 with the residual e, the noise σ and the number of samples N, and the covariance at least v·(JᵀJ)⁻¹: the rule of
-``diagnosis.intervals``, so that both commands state one interval for one model.
+``diagnosis.intervals``, so that both commands state one interval for one model. What rest at the start tells
+is no worse known for an error of a law in motion.
 """
 
 from __future__ import annotations
@@ -28,5 +29,5 @@ def widened(result: FitResult) -> FitResult:
     beyond = squares - (1.0 + NOISE_ERROR) * result.samples * noise
     if not beyond > 0.0:
         return result
-    law = np.diag(result.plain) * (noise + beyond / SHAPES)
+    law = np.diag(result.plain) * (noise + beyond / SHAPES) + np.diag(result.rest)
     return result.with_std(np.sqrt(np.maximum(np.diag(result.covariance), law)))

@@ -72,6 +72,18 @@ def test_a_force_from_before_the_record_is_no_push() -> None:
     assert not starts_unpushed(replace(record, force=0.0 * record.force), True)
 
 
+@pytest.mark.parametrize("rate", [100.0, 200.0, 300.0, 333.0, 500.0, 700.0])
+def test_a_push_at_the_second_sample_moves_a_cart_that_rests(rate: float) -> None:
+    """Whatever rounding makes of the stamps: at 200 Hz the second one is later than the first plus a period."""
+    time = np.arange(0.0, 20.0, 1.0 / rate)
+    force = np.where(np.arange(time.size) > 0, 10.0, 0.0)
+    begun = from_samples(time, force, np.zeros(time.size))
+    moved = replace(begun, position=simulate(Plant(1.0, 0.3, 4.0), begun).position)
+    assert starts_unpushed(moved, False)
+    later = replace(moved, force=np.where(np.arange(time.size) > 2, 10.0, 0.0))
+    assert not starts_unpushed(later, False)
+
+
 @pytest.mark.parametrize("hold", ["zero", "linear"])
 def test_a_record_that_begins_in_the_middle_of_a_motion_is_not_at_rest(hold: Literal["zero", "linear"]) -> None:
     """A sum of sines with 8 samples in the shortest period: neighbours differ by motion and not by noise."""

@@ -181,3 +181,30 @@ def test_an_overdamped_plant_that_the_samples_show_keeps_its_standard_form() -> 
     rig = Rig(frequency=30.0, ratio=3.0, gain=1e-2)
     form = extract(record(rig, TIME, [(0.5, 4.0), (6.5, 0.0)], noise=5e-6)).standard_form
     assert form is not None and form.natural_frequency.value == pytest.approx(30.0, rel=0.05)
+
+
+def test_a_cart_that_sticks_as_the_record_begins_is_at_rest() -> None:
+    """The record begins with the step, and a coarse encoder shows nothing of the first tenth of the way."""
+    time = np.arange(0.0, 8.0, 5e-3)
+    clean = record(Rig(frequency=2.04, ratio=0.06, gain=11.3), time, [(0.005, 0.018)])
+    step = 2.0 * np.pi / 2048.0
+    late = np.roll(clean.position, 14)
+    late[:14] = 0.0
+    (response,) = extract(replace(clean, position=step * np.round(late / step))).responses
+    assert response.form is not None and response.shape is None
+    assert response.form.natural_frequency.value == pytest.approx(2.04, rel=0.01)
+    assert response.form.static_gain is not None and response.form.static_gain.value == pytest.approx(11.3, rel=0.03)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_jolt_before_the_motion_is_no_swing_of_it(seed: int) -> None:
+    """A drive shakes its sensor as it starts: turning points that shrink, before the slow swing begins."""
+    rig = Rig(frequency=2.0, ratio=0.06, gain=11.3)
+    time = np.arange(0.0, 20.0, 5e-3)
+    rng = np.random.default_rng(seed)
+    clean = record(rig, time, [(0.5, 0.018)])
+    after = np.maximum(time - 0.5, 0.0)
+    shaken = -0.05 * np.exp(-after / 0.08) * np.sin(50.0 * after) + 4e-4 * rng.standard_normal(time.size)
+    (response,) = extract(replace(clean, position=clean.position + shaken)).responses
+    assert response.form is not None and response.form.natural_frequency.value == pytest.approx(2.0, rel=0.02)
+    assert response.turns == () and response.peaks is None

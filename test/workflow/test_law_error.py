@@ -12,6 +12,7 @@ from msd_ident.estimate import fit
 from msd_ident.model import Model, Plant, simulate
 from msd_ident.model.base_model import DryFriction
 from msd_ident.model.effects.cubic_spring import CubicSpring
+from msd_ident.model.effects.quadratic_drag import QuadraticDrag
 from msd_ident.workflow import pipeline
 from msd_ident.workflow.law_error import widened
 
@@ -61,3 +62,17 @@ def test_identify_states_them() -> None:
     found = pipeline.identify([record])
     plain = fit(found.refined.model, [record], search="near", initial=found.refined.initial)
     assert found.refined.parameters["mass"].std > 1.5 * plain.quantities["mass"].std
+
+
+def test_what_rest_at_the_start_tells_is_known_beside_a_law_that_is_missing() -> None:
+    """Of one step only the rest before it tells the scale of all forces, but for what friction holds."""
+    time = np.arange(0.0, 30.0, 0.005)
+    plant = Plant(0.021, 0.002, 0.0874) + DryFriction(5e-4)
+    asked = from_samples(time, np.where(time > 0.0, 0.018, 0.0), np.zeros(time.size))
+    noise = 5e-4 * np.random.default_rng(1).standard_normal(time.size)
+    moved = simulate(plant + QuadraticDrag(0.03), asked).position
+    found = fit(plant.with_values({"mass": 0.03}), [replace(asked, position=moved + noise)])
+    assert found.see > 3.0 * found.noise_floor
+    before, after = found.quantities["stiffness"], widened(found).quantities["stiffness"]
+    assert before.std < after.std < 3.0 * before.std < 0.1 * before.value
+    assert abs(after.value - 0.0874) < 2.0 * after.std
