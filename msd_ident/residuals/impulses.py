@@ -18,9 +18,9 @@ from msd_ident.estimate import FitResult
 from msd_ident.estimate.effort import LONG_RECORD
 from msd_ident.estimate.levels import BEYOND_DOUBT, MOST_OF
 from msd_ident.model import Model
-from msd_ident.model.base_model import friction_force
+from msd_ident.model.base_model import DRY_FRICTION, friction_force
 from msd_ident.quantity import MAD
-from msd_ident.residuals.disturbance import missing_force
+from msd_ident.residuals.disturbance import lacking_force, missing_force
 from msd_ident.tuning import tuned
 
 _MOST = tuned(2, unit="pushes", why="pushes that are named, at most: there are few of them", chosen="by hand")
@@ -39,7 +39,9 @@ class Push:
     impulse: float
 
 
-def pushes(record: Record, model: Model, noise: float, zero: float) -> tuple[Push, ...]:
+def pushes(
+    record: Record, model: Model, noise: float, zero: float, residual: FloatArray | None = None
+) -> tuple[Push, ...]:
     """Pushes in a record: short, strong missing forces of a model that explains the rest of it; none if there are many,
     and none beside a stop. What begins or ends with the record is none: the first and the last swing of a model that
     lacks a law look so, and what pushed the cart before is its initial state.
@@ -49,31 +51,59 @@ def pushes(record: Record, model: Model, noise: float, zero: float) -> tuple[Pus
         model: with mass [kg], damping [N·s/m] and stiffness [N/m].
         noise: standard deviation of a reading [m].
         zero: reading at which the spring is relaxed [m].
+        residual: of the simulated model (n,) [m], needed where it has laws besides dry friction: their own force is no
+            push.
     """
     if record.samples > LONG_RECORD or not model["stiffness"] > 0.0:
         return ()
     if any(effect.stops() for effect in model.effects):  # its own force is short and strong
         return ()
-    plant = (model["mass"], model["damping"], model["stiffness"])
-    found = missing_force(record, plant, noise, zero)
-    friction = friction_force(model) * np.sign(found.velocity)
-    unexplained = friction - found.force
-    usual = MAD * float(np.median(np.abs(unexplained)))
-    limit = BEYOND_DOUBT * np.maximum(usual, found.std) + 2.0 * np.max(np.abs(friction))
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], np.abs(unexplained) > limit, [False]]).astype(np.int8)))
-    spans = list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
+    found = _unexplained(record, model, noise, zero, residual)
     period = 2.0 * math.pi * math.sqrt(model["mass"] / model["stiffness"])
+    edges = np.flatnonzero(
+        np.diff(np.concatenate([[False], np.abs(found.force) > found.limit, [False]]).astype(np.int8))
+    )
+    spans = list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
     groups: list[tuple[int, int]] = []
     for begin, end in spans:  # what rings at both sides of a peak belongs to it
-        if groups and found.time[begin] - found.time[groups[-1][1] - 1] < MOST_OF * period:
+        if groups and record.time[begin] - record.time[groups[-1][1] - 1] < MOST_OF * period:
             groups[-1] = (groups[-1][0], end)
         else:
             groups.append((begin, end))
-    if len(groups) > _MOST or any(found.time[end - 1] - found.time[begin] > MOST_OF * period for begin, end in groups):
+    if len(groups) > _MOST or any(
+        record.time[end - 1] - record.time[begin] > MOST_OF * period for begin, end in groups
+    ):
         return ()
-    whole = unexplained.size
+    whole = found.force.size
     seen = [span for span in groups if span[0] > 0 and span[1] < whole and _is_seen(record, *span)]
-    return tuple(_push(found.time, unexplained, begin, end) for begin, end in seen)
+    return tuple(_push(record.time, found.force, begin, end) for begin, end in seen)
+
+
+@dataclass(frozen=True)
+class _Unexplained:
+    """Force (n,) that a model lacks [N], with the sign of the position, and the size (n,) beyond which it is a push."""
+
+    force: FloatArray
+    limit: FloatArray
+
+
+def _unexplained(record: Record, model: Model, noise: float, zero: float, residual: FloatArray | None) -> _Unexplained:
+    plant = (model["mass"], model["damping"], model["stiffness"])
+    if residual is None or set(model.effect_names) <= {DRY_FRICTION}:
+        found = missing_force(record, plant, noise, zero)
+        friction = friction_force(model) * np.sign(found.velocity)
+        force = friction - found.force
+        least = 2.0 * float(np.max(np.abs(friction)))
+        return _Unexplained(force, BEYOND_DOUBT * np.maximum(_usual(force), found.std) + least)
+    found = lacking_force(record, residual, plant, noise)
+    # A linear plant stands for the model: after a push it errs by a part of it.
+    least = MOST_OF**2 * float(np.max(np.abs(found.force)))
+    return _Unexplained(-found.force, np.maximum(BEYOND_DOUBT * np.maximum(_usual(found.force), found.std), least))
+
+
+def _usual(force: FloatArray) -> float:
+    """Robust size of a force [N]."""
+    return MAD * float(np.median(np.abs(force)))
 
 
 def _is_seen(record: Record, begin: int, end: int) -> bool:
@@ -90,8 +120,8 @@ def sentences(records: Sequence[Record], fitted: FitResult, noise: float) -> tup
         noise: standard deviation of a reading [m].
     """
     said, mass = [], fitted.quantities["mass"]
-    for record, initial in zip(records, fitted.initial, strict=True):
-        for push in pushes(record, fitted.model, noise, initial.zero):
+    for record, residual, initial in zip(records, fitted.residuals, fitted.initial, strict=True):
+        for push in pushes(record, fitted.model, noise, initial.zero, residual):
             where = f" of {record.name}" if len(records) > 1 else ""
             size = f"about {push.impulse:.3g} {record.force_unit}·s that are" if mass.known else "an impulse that is"
             said.append(

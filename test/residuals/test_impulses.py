@@ -9,13 +9,17 @@ import numpy as np
 import pytest
 from fitrigs import DEMO
 
-from msd_ident.data.record import Record
+from msd_ident.data.record import Record, from_samples
 from msd_ident.estimate import fit
+from msd_ident.model import Plant
+from msd_ident.model import simulate as simulate_model
 from msd_ident.model.effects import by_name
+from msd_ident.model.effects.cubic_spring import CubicSpring
 from msd_ident.residuals.impulses import pushes, sentences
 from msd_sim.api import simulate
 
 NOISE, LASTS = 1e-5, 0.02
+HARD = Plant(0.8, 6.0, 200.0) + CubicSpring(2e5)
 
 
 def bumped(*bumps: tuple[float, float], name: str = "record") -> Record:
@@ -71,15 +75,39 @@ def test_the_force_of_a_stop_is_no_push() -> None:
     assert pushes(bumped((1.1, 0.3)), stopped, NOISE, 0.0) == ()
 
 
+def hardened(push: float) -> Record:
+    """A rig with a hardening spring under two steps, and the impulse of a bump [N·s] at 2.0 s that no signal has."""
+    time = np.arange(0.0, 6.0, 2e-3)
+    force = np.where((time > 0.5) & (time < 3.5), 30.0, 0.0)
+    bump = np.where((time >= 2.0) & (time < 2.0 + LASTS), push / LASTS, 0.0)
+    asked = from_samples(time, force + bump, np.zeros(time.size))
+    noise = NOISE * np.random.default_rng(2).standard_normal(time.size)
+    return replace(asked, position=simulate_model(HARD, asked).position + noise, force=force)
+
+
+@pytest.mark.parametrize(("push", "count"), [(0.0, 0), (0.1, 1), (0.3, 1), (-0.1, 1), (-0.8, 1)])
+def test_the_force_of_a_law_of_the_model_is_no_push(push: float, count: int) -> None:
+    """A hardening spring is short and strong at the first peak; the model holds it, and is right."""
+    record = hardened(push)
+    found = fit(HARD, [record], search="near")
+    said = sentences([record], found, NOISE)
+    assert len(said) == count
+    assert all(one.startswith("Something pushed the cart at 2.0") for one in said)
+    if not push:
+        (alone,) = found.initial
+        assert pushes(record, found.model, NOISE, alone.zero), "what the plant alone lacks looks like one"
+
+
 def test_the_record_is_named_where_there_are_several() -> None:
     clean, bad = bumped(name="first"), bumped((2.4, 0.3), name="second")
     both = fit(DEMO, [clean, bad], search="near")
     (said,) = sentences([clean, bad], both, NOISE)
     assert said.startswith("Something pushed the cart at 2.4") and " s of second with about 0." in said
-    (alone,) = sentences([bad], replace(both, initial=both.initial[1:]), NOISE)
+    both = replace(both, initial=both.initial[1:], residuals=both.residuals[1:])
+    (alone,) = sentences([bad], both, NOISE)
     assert " of second" not in alone
     open_ = {**both.quantities, "mass": replace(both.quantities["mass"], std=math.nan)}
-    (unknown,) = sentences([bad], replace(both, initial=both.initial[1:], quantities=open_), NOISE)
+    (unknown,) = sentences([bad], replace(both, quantities=open_), NOISE)
     assert " s with an impulse that is in no signal: a bump" in unknown, "without a mass its size is not known"
     assert "or a stop or a limit of the drive that the model lacks" in unknown
 
