@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -17,18 +17,36 @@ def write_text(text: str, path: Path) -> None:
     Raises:
         SetupError: the disk does not take it.
     """
-    with writing_to(path, "a writable file"):
-        if path.exists() and not path.is_file():  # a device, a pipe
-            path.write_text(text, encoding="utf-8", newline="\n")
-            return
-        target = path.resolve()  # of a link, the file it names
-        part = target.with_name(f".{target.name}.{os.getpid()}.part")
-        try:
-            part.write_text(text, encoding="utf-8", newline="\n")
-            if target.exists():
-                shutil.copymode(target, part)
-            part.replace(target)
-        finally:
+    write_files({path: text.encode()}, "a writable file")
+
+
+def write_files(contents: Mapping[Path, bytes], expected: str = "a writable place") -> None:
+    """Write files. What stands there stays as it is until all of them are on the disk.
+
+    Args:
+        contents: of each file.
+        expected: what a file should be, for the words of the refusal.
+
+    Raises:
+        SetupError: the disk does not take one of them.
+    """
+    parts: dict[Path, Path] = {}
+    try:
+        for path, content in contents.items():
+            with writing_to(path, expected):
+                if path.exists() and not path.is_file():  # a device, a pipe
+                    path.write_bytes(content)
+                    continue
+                target = path.resolve()  # of a link, the file it names
+                parts[target] = target.with_name(f".{target.name}.{os.getpid()}.part")
+                parts[target].write_bytes(content)
+                if target.exists():
+                    shutil.copymode(target, parts[target])
+        for target, part in parts.items():
+            with writing_to(target, expected):
+                part.replace(target)
+    finally:
+        for part in parts.values():
             part.unlink(missing_ok=True)
 
 

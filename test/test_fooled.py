@@ -202,6 +202,14 @@ def test_a_cart_that_moves_in_its_first_lines_does_not_rest_under_the_first_forc
     assert quality.begins_pushed(running) and not quality.rests_under_force(running)
 
 
+def test_a_cart_that_runs_through_its_first_lines_does_not_rest_under_the_first_force() -> None:
+    """The second half of a measured sweep of a rack: it ran at 0.63 m/s, and moved as far after a change of 5 %."""
+    time = 6.7e-4 * np.arange(400)
+    motion, force = 0.1 * np.sin(6.3 * time), 125.0 * np.cos(6.3 * time + 0.3) - 14.0 * np.sin(100.0 * time)
+    running = from_samples(time, force, motion)
+    assert quality.begins_pushed(running) and not quality.rests_under_force(running)
+
+
 @pytest.mark.parametrize("force", [5.0, -3.0])
 def test_a_release_under_a_constant_force_is_no_step(force: float) -> None:
     displaced = float(np.sign(force)) * 0.03

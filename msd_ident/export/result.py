@@ -17,7 +17,7 @@ from msd_ident.export.target import Target
 from msd_ident.model import Model
 from msd_ident.workflow.explained_motion import percent_text
 from msd_ident.workflow.saved_model import SavedModel
-from msd_ident.writing import writing_to
+from msd_ident.writing import write_files
 
 SCHEMA = "msd.export/1"
 
@@ -76,9 +76,7 @@ class Export:
             SetupError: a file cannot be written.
         """
         made = self.target.files(self.plan, self.out)
-        for path, content in made.items():
-            with writing_to(path):
-                path.write_bytes(content)
+        write_files(made)
         return replace(self, files=tuple(made))
 
     def unproven(self, why: str) -> Export:

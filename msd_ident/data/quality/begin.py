@@ -11,9 +11,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from msd_ident.data.noise import noise_of
+from msd_ident.data.noise import Noise, noise_of
 from msd_ident.data.quality.feedback import feedback_gain
-from msd_ident.data.record import MINIMUM_SAMPLES, Record
+from msd_ident.data.record import MINIMUM_SAMPLES, FloatArray, Record
 
 #: A force below this part of its range is a rest and no push.
 _PUSH = 0.3
@@ -58,7 +58,13 @@ def rests_under_force(record: Record) -> bool:
     noise = noise_of(record)
     stays = left < max(_STILL * noise.floor + noise.step, _CREEPS * float(np.ptp(record.position)))
     rests = float(np.ptp(held)) / abs(first) < _RESTS * float(np.ptp(after)) / max(height, _CHANGE * span)
-    return stays and rests and not _follows(record, change, jump)
+    return stays and rests and not (_passes(held, after, noise) or _follows(record, change, jump))
+
+
+def _passes(held: FloatArray, after: FloatArray, noise: Noise) -> bool:
+    """Whether a cart moves on, after a change of the force, as far as it does in the same time before."""
+    moves = float(np.ptp(held)) > 2.0 * _STILL * noise.floor + noise.step
+    return moves and float(np.ptp(held)) > 0.5 * float(np.ptp(after))
 
 
 def _follows(record: Record, change: float, jump: float) -> bool:
