@@ -54,13 +54,17 @@ class TopicCount:
         if sequence is None:
             return 0
         lost = 0
-        if alone and self._last is not None and sequence > self._last + 1:
-            lost = sequence - self._last - 1
+        if self._last is not None and self.jumps(sequence):
+            lost = sequence - self._last - 1 if alone else 0
         elif self._last is not None and sequence <= self._last:
             self.restarts += 1
         self.lost += lost
         self._last = sequence
         return lost
+
+    def jumps(self, sequence: int | None) -> bool:
+        """Whether a message with this number would be counted as one after lost ones."""
+        return sequence is not None and self._last is not None and sequence > self._last + 1
 
     @property
     def rate(self) -> float:

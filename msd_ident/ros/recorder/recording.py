@@ -57,10 +57,17 @@ class QueueLimits:
 
 @dataclass(frozen=True)
 class Numbered:
-    """What tells that messages are missing: a message's number and its own stamp [ns], where it has them."""
+    """What tells that messages are missing.
+
+    Attributes:
+        sequence: the message's number, where it has one.
+        stamp_ns: its own stamp [ns], where it has one.
+        alone: whether its topic has one publisher, so that the numbers tell what is lost.
+    """
 
     sequence: int | None = None
     stamp_ns: int | None = None
+    alone: bool = True
 
 
 class Recording:
@@ -126,7 +133,7 @@ class Recording:
         origin: Numbered = Numbered(),  # noqa: B008 - frozen
     ) -> None:
         """Hand over one message with its times of receipt and of publication [ns]; never blocks."""
-        self._counts[topic].count(origin.sequence, origin.stamp_ns)
+        self._counts[topic].count(origin.sequence, origin.stamp_ns, alone=origin.alone)
         if self._error or self.waiting_bytes + len(raw) > self._most_bytes:
             self._refused += 1
             return

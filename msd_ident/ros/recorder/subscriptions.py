@@ -56,6 +56,7 @@ class Following:
         self._refused: set[str] = set()
         self._types: dict[str, str] = {}
         self._latched: list[Subscription] = []
+        self._several: set[str] = set()
         self.subscriptions: dict[str, Subscription] = {}
 
     def look(self) -> None:
@@ -86,6 +87,8 @@ class Following:
         publishers = self._node.get_publishers_info_by_topic(topic)
         if not publishers:
             return
+        if len(publishers) > 1:
+            self._several.add(topic)
         offered = [publisher.qos_profile for publisher in publishers]
         qos = names.matching_qos(offered, self._depth)
         has = self.subscriptions.get(topic)
@@ -143,7 +146,8 @@ class Following:
                 received = sent = clock.now().nanoseconds
             lost, restarts = count.lost, count.restarts
             stamp = raw_stamp(raw) if stamped else None
-            origin = Numbered(info.get("publication_sequence_number"), stamp)
+            sequence = info.get("publication_sequence_number")
+            origin = Numbered(sequence, stamp, not count.jumps(sequence) or self._is_alone(topic))
             recording.put(topic, raw, received, sent or received, origin)
             if count.lost != lost:
                 words = f"{topic}: {count.lost - lost} messages are missing according to their sequence numbers"
@@ -152,6 +156,12 @@ class Following:
                 self._watch.note("publisher restarted", f"{topic}: its publisher restarted, or there are two")
 
         return take
+
+    def _is_alone(self, topic: str) -> bool:
+        """Whether a topic has had one publisher so far: each numbers its own messages, and nothing tells them apart."""
+        if self._node.count_publishers(topic) > 1:
+            self._several.add(topic)
+        return topic not in self._several
 
 
 def _mixed(offered: Sequence[QoSProfile]) -> bool:
