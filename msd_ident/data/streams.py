@@ -56,7 +56,7 @@ def from_stamps(
     """
     found: list[str] = list(notes)
     ns_x, x = _ordered("position", np.asarray(position_ns, dtype=np.int64), position, 1e-9, found)
-    ns_f, f = _ordered("force", np.asarray(force_ns, dtype=np.int64), force, 1e-9, found)
+    ns_f, f = _ordered("force", np.asarray(force_ns, dtype=np.int64), force, 1e-9, found, ns_x[0])
     start = int(ns_x[0])
     # Division by 1e9 rounds once, so that rint(time * 1e9) gives the stamp back; a product with 1e-9 does not.
     time = (ns_x - start) / 1e9
@@ -94,7 +94,7 @@ def from_seconds(
     """
     found: list[str] = list(notes)
     t_x, x = _ordered("position", np.asarray(position_time, dtype=np.float64), position, 1.0, found)
-    t_f, f = _ordered("force", np.asarray(force_time, dtype=np.float64), force, 1.0, found)
+    t_f, f = _ordered("force", np.asarray(force_time, dtype=np.float64), force, 1.0, found, t_x[0])
     x = _unwrapped(t_x, x, about, found)
     return Record(
         time=t_x - t_x[0],
@@ -130,16 +130,19 @@ Stamps = TypeVar("Stamps", npt.NDArray[np.int64], FloatArray)
 
 
 def _ordered(
-    what: str, stamps: Stamps, values: npt.ArrayLike, tick: float, notes: list[str]
+    what: str, stamps: Stamps, values: npt.ArrayLike, tick: float, notes: list[str], begin: float | None = None
 ) -> tuple[Stamps, FloatArray]:
-    """Samples in rising order of their stamps (in units of ``tick`` seconds), one each; ``notes`` grows."""
+    """Samples in rising order of their stamps (in units of ``tick`` seconds), one each; ``notes`` grows.
+
+    ``begin``: of the positions, where these are forces.
+    """
     data = np.asarray(values, dtype=np.float64)
     if stamps.size != data.size:
         raise DataError(f"{stamps.size} stamps for {data.size} {what} values; expected as many of each")
     if stamps.size == 0:
         raise DataError(f"no {what} samples; expected at least one: check that the {what} was published and recorded")
     check_finite(np.asarray(stamps, dtype=np.float64), f"{what} time")
-    late = _late(what, stamps, data, tick)
+    late = _late(what, stamps, data, tick, begin)
     if late:
         notes.append(f"{what}: {late} of {stamps.size} samples came late and were sorted by their stamps.")
     unique, first = np.unique(stamps, return_index=True)
@@ -159,8 +162,11 @@ def _ordered(
     return unique, data[first]
 
 
-def _late(what: str, stamps: Stamps, data: FloatArray, tick: float) -> int:
+def _late(what: str, stamps: Stamps, data: FloatArray, tick: float, begin: float | None) -> int:
     """Number of samples that are older than one before them.
+
+    Not of forces that were there before, as where a rig tells what it was told, nor of those from before the positions
+    (``begin``): a publisher that keeps its commands sends them all to one who listens late.
 
     Raises:
         DataError: they are more than chance delays on the way explain, or one is late by more than
@@ -168,6 +174,8 @@ def _late(what: str, stamps: Stamps, data: FloatArray, tick: float) -> int:
     """
     behind = (np.maximum.accumulate(stamps) - stamps) * tick
     late = np.flatnonzero(behind > 0)
+    if begin is not None:
+        late = late[(stamps[late] >= begin) & ~_repeated(stamps, data, late)]
     far = late[behind[late] > LATEST_SECONDS]
     fresh = [i for i in far[:100] if not np.any((stamps[:i] == stamps[i]) & (data[:i] == data[i]))]
     if late.size > max(5, stamps.size // 100) or fresh:
@@ -178,3 +186,10 @@ def _late(what: str, stamps: Stamps, data: FloatArray, tick: float) -> int:
             "reset, use one pass of it"
         )
     return int(late.size)
+
+
+def _repeated(stamps: Stamps, data: FloatArray, late: npt.NDArray[np.int64]) -> npt.NDArray[np.bool_]:
+    """Whether each of some samples was there before, with the same stamp and value."""
+    unique, first = np.unique(stamps, return_index=True)
+    before = first[np.searchsorted(unique, stamps[late])]
+    return np.asarray((before < late) & (data[before] == data[late]), dtype=np.bool_)

@@ -61,6 +61,38 @@ def test_an_old_message_that_is_sent_again_is_no_jump() -> None:
     assert record.force.tolist() == [0.0, 1.0, 2.0]
 
 
+@given(st.lists(st.integers(0, 59), min_size=10, max_size=60), st.integers(1, 20))
+def test_a_rig_that_tells_its_commands_again_changes_nothing_but_the_notes(told: list[int], later: int) -> None:
+    """Each of its messages has the stamp and the value of the command, and comes behind newer ones."""
+    ns = 10**18 + 10**7 * np.arange(60, dtype=np.int64)
+    force = np.random.default_rng(3).normal(size=60)
+    places = list(range(60))
+    for i in told:
+        places.insert(min(places.index(i) + later, len(places)), i)
+    clean, record = (from_stamps(ns, np.arange(60.0), ns[at], force[at]) for at in (list(range(60)), places))
+    np.testing.assert_array_equal(record.force_time, clean.force_time)
+    np.testing.assert_array_equal(record.force, clean.force)
+    assert any(f"{len(told)} samples with duplicate stamps were dropped." in note for note in record.notes)
+
+
+def test_commands_from_before_the_record_may_come_in_any_order() -> None:
+    """A recorder that listens late is sent all that a publisher keeps, after the first new command."""
+    ns = 10**18 + 10**7 * np.arange(200, dtype=np.int64)
+    force = np.random.default_rng(3).normal(size=200)
+    places = [100, *range(0, 80), *range(101, 200)]
+    clean = from_stamps(ns[100:], np.arange(100.0), ns[sorted(places)], force[sorted(places)])
+    record = from_stamps(ns[100:], np.arange(100.0), ns[places], force[places])
+    np.testing.assert_array_equal(record.force_time, clean.force_time)
+    np.testing.assert_array_equal(record.force, clean.force)
+
+
+def test_forces_that_jump_back_within_the_record_are_refused() -> None:
+    ns = 10**18 + 10**7 * np.arange(200, dtype=np.int64)
+    places = [*range(100), *range(50, 150)]
+    with pytest.raises(DataError, match="force stamps run backwards: 0.490 s back at sample 101 of 200"):
+        from_stamps(ns, np.arange(200.0), ns[places], np.arange(200.0))
+
+
 def test_streams_of_different_length_are_refused() -> None:
     with pytest.raises(DataError, match="3 stamps for 2 position values"):
         from_stamps([1, 2, 3], [0.0, 0.0], [1], [0.0])
