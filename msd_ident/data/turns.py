@@ -10,9 +10,11 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from msd_ident.data.record import MINIMUM_SAMPLES, FloatArray
+from msd_ident.data.record import MINIMUM_SAMPLES, FloatArray, Record
 
 TURN = 2.0 * math.pi
+#: Turns beyond which a shaft is on no spring: clock springs have less.
+WOUND = 20.0
 #: Part of a turn by which rounding lets readings leave it.
 _ROUNDING = 1e-3
 #: Speed at a jump in that of the samples beside it, on each side, and part of a turn that noise may add to the step.
@@ -88,3 +90,9 @@ def _doubt(angle: FloatArray) -> str:
         "between two samples that it cannot be told whether it is wrapped: it is used as it is; sample faster, or "
         "unwrap it before."
     )
+
+
+def turned_away(record: Record) -> float:
+    """Turns of a joint, where they are more than any spring or stop goes along with (``WOUND``); else 0."""
+    turns = float(np.ptp(record.position)) / TURN
+    return turns if record.position_unit == "rad" and turns > WOUND else 0.0

@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from msd_ident.data.record import FloatArray, Record
+from msd_ident.data.turns import turned_away
 from msd_ident.estimate import resolution
 from msd_ident.estimate.broyden import Weighting
 from msd_ident.estimate.effort import A_SWING, FEWEST_READINGS
@@ -98,16 +99,19 @@ class Experiment:
     def library(self) -> tuple[str, ...]:
         """Names of the causes that can act here.
 
-        Causes on the spring are left out if there is none, and causes on the input if no force acts.
+        Causes on the spring are left out if there is none, causes on the input if no force acts, and those at a place
+        of the travel on a shaft that turns on and on.
         """
         sprung = "stiffness" not in self.fixed
         forced = any(bool(np.any(record.force_at(record.time))) for record in self.records)
+        turns = max(map(turned_away, self.records)) > 0.0
         return tuple(
             effect.name
             for effect in LIBRARY
             if (sprung or not effect.needs_spring)
             and (forced or effect.acts_on != "input")
             and any(effect.fits(record) for record in self.records)
+            and not (turns and effect.belongs_to_a_place())
             if self.asked is None or effect.name in self.asked
         )
 

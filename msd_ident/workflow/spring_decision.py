@@ -18,6 +18,7 @@ from msd_ident.data.noise import noise_floor
 from msd_ident.data.quality import steered
 from msd_ident.data.quality.relation import without_spring
 from msd_ident.data.record import Record
+from msd_ident.data.turns import turned_away
 from msd_ident.estimate import FitResult, fit
 from msd_ident.estimate.levels import BEYOND_DOUBT, MOST_OF, TENTH
 from msd_ident.estimate.objective import Loss
@@ -41,8 +42,6 @@ _PLAIN = 0.2
 #: without a spring, with stops, drag, cogging and friction, leave at most 1.6 times as much (the axis of EMPS as much;
 #: a disc under a controller 6 times as much, but 0.0003); 45 in 57 of the same rigs with a spring are plain.
 _LEFT, _LACKS, _MORE = 0.2, 0.02, 5.0
-#: Turns beyond which a shaft is on no spring: clock springs have less.
-_WOUND = 20.0
 #: A stiffness that the data knows is taken to act where it takes a fifth of the error away.
 _NOTICEABLE = 0.8
 #: Or where it adds so much log-likelihood and carries this part of the
@@ -81,7 +80,7 @@ def has_spring(prepared: Prepared, options: Options) -> Decision:
         return Decision(told > 0.0)
     if prepared.form is not None:
         return Decision(True)
-    if turns := _turned_away(prepared.records):
+    if turns := max(map(turned_away, prepared.records)):
         said = f"The joint turns {turns:.0f} times, as no spring does: none is assumed."
         return Decision(False, (f"{said} If there is one, use --model spring.",))
     if (of_a_tone := by_tone(prepared.records)) is not None:
@@ -90,12 +89,6 @@ def has_spring(prepared: Prepared, options: Options) -> Decision:
         return Decision(True, (said,))
     sprung, said = decide(prepared.records, prepared.plant, options.loss)
     return Decision(sprung, (said,), doubtful=True)
-
-
-def _turned_away(records: Sequence[Record]) -> float:
-    """Turns of a joint, where they are more than a spring goes along; else 0."""
-    turns = max(float(np.ptp(record.position)) for record in records) / (2.0 * math.pi)
-    return turns if records[0].position_unit == "rad" and turns > _WOUND else 0.0
 
 
 def by_tone(records: Sequence[Record]) -> Decision | None:

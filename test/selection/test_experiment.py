@@ -6,17 +6,19 @@ import math
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from setrigs import BASE, pushed, rubbing
 
-from msd_ident.data.record import Record
+from msd_ident.data.record import Record, from_samples
 from msd_ident.estimate.effort import A_SWING, FEWEST_READINGS
 from msd_ident.estimate.problem import Initial
+from msd_ident.model import Plant
 from msd_ident.model.effects import LIBRARY, by_name
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.force_gain_nonlinearity import ForceGainNonlinearity
-from msd_ident.residuals.noise_model import NOISE_ERROR, of_record
+from msd_ident.residuals.noise_model import NOISE_ERROR, of_record, prepare
 from msd_ident.selection.experiment import SOUGHT, Experiment, formulated, switched_off, weigh
 
 
@@ -137,3 +139,16 @@ def test_of_two_laws_with_one_parameter_each_has_its_own_range() -> None:
     lower = experiment.problem(BASE + by_name("curved_stiffness_drift")(0.0, 0.0, 0.0))
     place = lower.names.index("stiffness_drift_rate")
     assert math.isclose(lower.lower[place], -lower.upper[place]), "its other terms hold the stiffness above zero"
+
+
+@pytest.mark.parametrize(("turns", "placed"), [(3.0, True), (75.0, False)])
+def test_a_shaft_that_turns_on_and_on_has_no_law_of_one_place(turns: float, placed: bool) -> None:
+    """Cubic springs and stops were tied with the friction of a motor that turned 75 times."""
+    time = np.arange(0.0, 4.0, 4e-3)
+    force, angle = np.sin(5.0 * time), np.pi * turns * (1.0 - np.cos(np.pi * time / 4.0))
+    made = replace(from_samples(time, force, angle), position_unit="rad", force_unit="V")
+    library = Experiment(prepare([made]), Plant(1.0, 0.1, 0.0), frozenset({"stiffness"})).library
+    assert ("cubic_spring" in library) is ("end_stop" in library) is ("position_dependent_gain" in library) is placed
+    assert {"cogging", "cogging_harmonic", "coulomb_friction", "friction_ripple", "quadratic_drag", "gravity"} <= set(
+        library
+    )

@@ -187,6 +187,12 @@ class Effect(Law):
         least = min((abs(frequency) for frequency in self.tones()), default=math.inf)
         return 2.0 * math.pi / least if least > 0.0 else math.inf
 
+    @classmethod
+    def belongs_to_a_place(cls) -> bool:
+        """Whether it acts like a spring or a stop at a place that does not come again, turn for turn."""
+        repeats = cls.angular or (cls.harmonic is not None and cls.harmonic.over == PLACE)
+        return (cls.is_spring() or cls.stops()) and not repeats
+
     def repeats_after(self) -> float:
         """Pitch [m] of what it repeats along the travel, of several their rms by power; 0 if it repeats nothing."""
         return float(getattr(self, self.harmonic.scanned)) if self.harmonic and self.harmonic.over == PLACE else 0.0
