@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypedDict, TypeVar
 
 import numpy as np
@@ -55,8 +56,8 @@ def from_stamps(
         DataError: as for ``Record``, and when the stamps of a stream run backwards.
     """
     found: list[str] = list(notes)
-    ns_x, x = _ordered("position", np.asarray(position_ns, dtype=np.int64), position, 1e-9, found)
-    ns_f, f = _ordered("force", np.asarray(force_ns, dtype=np.int64), force, 1e-9, found, ns_x[0])
+    ns_x, x = _ordered(_Stream("position", 1e-9), np.asarray(position_ns, dtype=np.int64), position, found)
+    ns_f, f = _ordered(_Stream("force", 1e-9, ns_x[0]), np.asarray(force_ns, dtype=np.int64), force, found)
     start = int(ns_x[0])
     # Division by 1e9 rounds once, so that rint(time * 1e9) gives the stamp back; a product with 1e-9 does not.
     time = (ns_x - start) / 1e9
@@ -93,8 +94,8 @@ def from_seconds(
         DataError: as for ``from_stamps``.
     """
     found: list[str] = list(notes)
-    t_x, x = _ordered("position", np.asarray(position_time, dtype=np.float64), position, 1.0, found)
-    t_f, f = _ordered("force", np.asarray(force_time, dtype=np.float64), force, 1.0, found, t_x[0])
+    t_x, x = _ordered(_Stream("position", 1.0), np.asarray(position_time, dtype=np.float64), position, found)
+    t_f, f = _ordered(_Stream("force", 1.0, t_x[0]), np.asarray(force_time, dtype=np.float64), force, found)
     x = _unwrapped(t_x, x, about, found)
     return Record(
         time=t_x - t_x[0],
@@ -129,20 +130,31 @@ def _unwrapped(time: FloatArray, position: FloatArray, about: About, notes: list
 Stamps = TypeVar("Stamps", npt.NDArray[np.int64], FloatArray)
 
 
-def _ordered(
-    what: str, stamps: Stamps, values: npt.ArrayLike, tick: float, notes: list[str], begin: float | None = None
-) -> tuple[Stamps, FloatArray]:
-    """Samples in rising order of their stamps (in units of ``tick`` seconds), one each; ``notes`` grows.
+@dataclass(frozen=True)
+class _Stream:
+    """What the samples of a stream are.
 
-    ``begin``: of the positions, where these are forces.
+    Attributes:
+        what: position or force.
+        tick: unit of its stamps [s].
+        begin: stamp of the first position, where these are forces.
     """
+
+    what: str
+    tick: float
+    begin: float | None = None
+
+
+def _ordered(stream: _Stream, stamps: Stamps, values: npt.ArrayLike, notes: list[str]) -> tuple[Stamps, FloatArray]:
+    """Samples in rising order of their stamps, one each; ``notes`` grows."""
+    what, tick = stream.what, stream.tick
     data = np.asarray(values, dtype=np.float64)
     if stamps.size != data.size:
         raise DataError(f"{stamps.size} stamps for {data.size} {what} values; expected as many of each")
     if stamps.size == 0:
         raise DataError(f"no {what} samples; expected at least one: check that the {what} was published and recorded")
     check_finite(np.asarray(stamps, dtype=np.float64), f"{what} time")
-    late = _late(what, stamps, data, tick, begin)
+    late = _late(stream, stamps, data)
     if late:
         notes.append(f"{what}: {late} of {stamps.size} samples came late and were sorted by their stamps.")
     unique, first = np.unique(stamps, return_index=True)
@@ -162,16 +174,17 @@ def _ordered(
     return unique, data[first]
 
 
-def _late(what: str, stamps: Stamps, data: FloatArray, tick: float, begin: float | None) -> int:
+def _late(stream: _Stream, stamps: Stamps, data: FloatArray) -> int:
     """Number of samples that are older than one before them.
 
-    Not of forces that were there before, as where a rig tells what it was told, nor of those from before the positions
-    (``begin``): a publisher that keeps its commands sends them all to one who listens late.
+    Not of forces that were there before, as where a rig tells what it was told, nor of those from before the positions:
+    a publisher that keeps its commands sends them all to one who listens late.
 
     Raises:
         DataError: they are more than chance delays on the way explain, or one is late by more than
             ``LATEST_SECONDS`` and no repetition of an earlier one.
     """
+    what, tick, begin = stream.what, stream.tick, stream.begin
     behind = (np.maximum.accumulate(stamps) - stamps) * tick
     late = np.flatnonzero(behind > 0)
     if begin is not None:
