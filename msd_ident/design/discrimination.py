@@ -167,7 +167,8 @@ def discriminate(
     count = len(predictors)
     kept = np.ones((count, count)) if shares is None else shares
     loads = [weights(one, on, seen) for one in predictions]
-    evidence = [_later(*one) for one in zip(predictors, predictions, loads, strict=True)]
+    evidence = np.array([one.contender.evidence for one in predictors])
+    share = np.array([_share(*one) for one in zip(predictors, predictions, loads, strict=True)])
     chi, decided = np.zeros((count, count)), np.zeros(count)
     for a, truth in enumerate(predictors):
         drawn = np.concatenate([np.ones((DRAWS, 1)), truth.draws], axis=1)
@@ -182,6 +183,7 @@ def discriminate(
             decided[a] = 1.0
             continue
         ahead = np.array([evidence[a] - evidence[b] + 0.5 * (lefts[b] - lefts[a]) for b in others])
+        ahead += np.array([_ahead(share[a] - share[b], truth, predictors[b]) for b in others])[:, None]
         margins = (ahead - DECISIVE) / np.sqrt(lefts[others] + 1.0)
         decided[a] = float(np.mean(special.ndtr(margins.min(axis=0))))
     return Discrimination(chi, decided, math.nan)
@@ -197,8 +199,16 @@ def differences(true: Prediction, rival: Prediction) -> FloatArray:
     return np.concatenate([(true.position - rival.position)[None, :], true.jacobian[:-NUISANCES]])
 
 
-def _later(predictor: Predictor, prediction: Prediction, weight: FloatArray) -> float:
-    """Log evidence [nats] after a profile, but for its likelihood."""
+def _share(predictor: Predictor, prediction: Prediction, weight: FloatArray) -> float:
+    """Logarithm of the share of the parameter space that a profile leaves of what the data has left [nats]."""
     one = predictor.contender
-    after = occam(predictor, sharpened(predictor, prediction, weight))
-    return one.evidence + after - occam(predictor, one.information)
+    return occam(predictor, sharpened(predictor, prediction, weight)) - occam(predictor, one.information)
+
+
+def _ahead(gain: float, true: Predictor, rival: Predictor) -> float:
+    """What the shares of the parameter space add to the evidence of the true rival over another one [nats].
+
+    Beside a special case of the true one it is nothing at most: a law that changes no reading wins nothing by them.
+    """
+    nested = set(rival.contender.model.effect_names) <= set(true.contender.model.effect_names)
+    return min(gain, 0.0) if nested else gain

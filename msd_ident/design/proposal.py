@@ -197,7 +197,8 @@ def _proposed(question: Question, diagnosis: Diagnosis, called: Sequence[str], v
     hardest = _hardest(option, (called[pair[0]], called[pair[1]]), left, (question.sensing.noise, beyond))
     low, high, speed = safety.extremes(question.predictors, option.grid.record)
     sentence = f"{_sentence(option, called, verb, unit, beyond)} {hardest} {_moved((low, high), speed, length)}"
-    if option.probability < IN_VAIN:
+    likely = option.probability if verb == "parts" else _shown(option, called)[0]
+    if likely < IN_VAIN:
         sentence = _instead(called, verb, [what for *_, what in apart])
     looked = sorted(found.all, key=lambda one: -one.probability)
     return Proposal(
@@ -287,12 +288,27 @@ def _sentence(option: Option, called: Sequence[str], verb: str, unit: str, beyon
     force = f"with {low:.3g} to {high:.3g} {unit}" if low < high else "without force"
     what = "tell" if verb == "parts" else "show"
     aim = " or ".join(called) if verb == "parts" else ", ".join(called[1:])
-    chance = f"{option.probability:.2f}" if option.probability < 1.0 - IN_VAIN else "above 0.99"
+    likely = option.probability
+    if verb != "parts":
+        likely, aim = _shown(option, called)
+    chance = f"{likely:.2f}" if likely < 1.0 - IN_VAIN else "above 0.99"
     promise = f"It should {what} {aim} with probability {chance}"
-    if option.probability < HOPELESS:
+    if likely < HOPELESS:
         promise = f"No profile within the limits is likely to {what} {aim}; this one does with probability {chance}"
     promise += ", if one of these is the law of the rig." if verb == "parts" and beyond > ALIKE else "."
     return f"Play {profile.name!r} for {profile.duration:.1f} s {force}: {why(profile.name)}. {promise}"
+
+
+def _shown(option: Option, called: Sequence[str]) -> tuple[float, str]:
+    """The least probability with which a profile shows what it is likely to show, and the names of that; of all that
+    may be hidden, with the mean, where it is likely to show none of them.
+    """
+    hidden = option.parting.decided[1:]
+    seen = hidden >= HOPELESS
+    if not seen.any():
+        return float(np.mean(hidden)), ", ".join(called[1:])
+    names = [name for name, one in zip(called[1:], seen, strict=True) if one]
+    return float(np.min(hidden[seen])), ", ".join(names)
 
 
 def _moved(travel: tuple[float, float], speed: float, unit: str) -> str:
