@@ -69,9 +69,10 @@ def _reasons(records: Sequence[Record], diagnosed: bool) -> str:
     """What may be the matter with records that a model does not carry, each with the next step."""
     law = "the rig may follow another law, as a pendulum does that swings far: msd diagnose looks for it"
     force = "the force may be another quantity: check --force"
+    sign = "the encoder may be inverted: try a negative --position-scale"
     unstable = (
         "a controller may hold an unstable plant, which no simulation from the first sample follows: cut the record "
         "there"
     )
     hand = "a hand may have moved the cart: leave that part out with --start or --end"
-    return "; or ".join([*([] if diagnosed else [law]), *([force, unstable] if forced(records) else []), hand])
+    return "; or ".join([*([] if diagnosed else [law]), *([force, sign, unstable] if forced(records) else []), hand])

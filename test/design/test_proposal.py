@@ -82,6 +82,8 @@ def test_what_no_profile_parts_gets_a_measurement(looking_for: Callable[..., Non
     looking_for("force_offset", "coulomb_friction", "quadratic_drag", "actuator_lag")
     found = check(stepped("", "", 0.0), LIMITS)
     assert found is not None and "force_offset" in found.names
+    assert found.decided[found.names.index("force_offset")] < 0.01
+    assert "is likely to show force_offset (the best one with a probability below" in found.sentence
     assert any("force_offset" in said and "tilt the rig" in said for said in found.measurements)
 
 
