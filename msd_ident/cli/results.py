@@ -104,6 +104,8 @@ def check_targets(overwrite: bool, *paths: Path | None) -> None:
     for path in filter(None, paths):
         if path.exists() and not overwrite:
             raise UsageError(f"{path} exists; expected a new name: give another one, or --overwrite to replace it")
+        if path.is_dir():
+            raise UsageError(f"{path} is a folder; expected a file to write: give a name in it")
         if not path.absolute().parent.is_dir():
             raise UsageError(
                 f"folder {path.absolute().parent} does not exist; expected one to write {path.name} into: make it"

@@ -39,11 +39,12 @@ def test_paths_with_spaces_and_letters_of_any_language(name: str, tmp_path: Path
         (("--figures", "in.csv"), "is no folder and cannot become one"),
         (("--json", "nowhere/x.json"), "does not exist; expected one to write x.json into: make it"),
         (("--json", "."), "exists; expected a new name"),
+        (("--json", ".", "--overwrite"), "is a folder; expected a file to write: give a name in it"),
     ],
 )
-def test_places_that_cannot_be_written_are_refused(options: tuple[str, str], says: str, tmp_path: Path) -> None:
+def test_places_that_cannot_be_written_are_refused(options: tuple[str, ...], says: str, tmp_path: Path) -> None:
     path = table(step(), tmp_path / "in.csv")
-    found = run("identify", path, options[0], tmp_path / options[1])
+    found = run("identify", path, options[0], tmp_path / options[1], *options[2:])
     assert (found.code, found.out, found.err.count("\n")) == (2, "", 1)
     assert says in found.err
 
