@@ -185,3 +185,8 @@ def without(fitted: Hypothesis, name: str) -> tuple[Model, tuple[Initial, ...]]:
     moved[~gone] = np.clip(point[~gone] + follow, problem.lower[~gone], problem.upper[~gone])
     model = fitted.model.with_values(problem.values(moved))
     return replace(model, effects=tuple(e for e in model.effects if e.name != name)), problem.initials(moved)
+
+
+def imitated_by(fitted: Hypothesis) -> tuple[Causes, ...]:
+    """Sets with another effect in the place of one that it is equal to."""
+    return fitted.kept("imitated", lambda: tuple(imitated(fitted.model, alike=True)))

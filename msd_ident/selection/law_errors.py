@@ -13,7 +13,7 @@ from msd_ident.model.effects import LIBRARY, by_name
 from msd_ident.residuals.noise_model import NOISE_ERROR
 from msd_ident.selection.certainty import CERTAIN_ODDS, FAINT, FORM_PART, ROUGH
 from msd_ident.selection.evidence import LEAST_SPREAD, NoiseScale, log_prior
-from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, Causes, Hypothesis, kinds
+from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, Causes, Hypothesis, imitated_by, kinds
 
 
 def further_parts(causes: Causes, sets: Mapping[Causes, Hypothesis]) -> dict[str, float]:
@@ -188,14 +188,15 @@ def instead(causes: Causes, sets: Mapping[Causes, Hypothesis], scale: NoiseScale
     For a set S and a set R without the cause they are (χ²(R) − χ²(S)) / (χ²(S) − N), 0 where R leaves less; of as many
     causes, times the odds of S beside R before any data, where these are more than 1. Where a set leaves more than
     noise, none of its laws is the rig's, and what it leaves may move like the difference of the two. A set R counts if
-    each of its causes explains at least what S leaves. A law that holds Coulomb friction as a limit counts as Coulomb
-    friction. Empty where a set leaves only noise.
+    each of its causes explains at least what S leaves, and if it is not S itself, imitated by another law. A law that
+    holds Coulomb friction as a limit counts as Coulomb friction. Empty where a set leaves only noise.
     """
     left = sets[causes].chi - scale.noise
     if leaves_noise(sets[causes], scale.noise):
         return {}
     found: dict[str, dict[Causes, float]] = {name: {} for name in causes}
-    for other in (one for one in sets if 0 < len(one) <= len(causes) and _explain(one, sets, left)):
+    others = (one for one in sets if 0 < len(one) <= len(causes) and _explain(one, sets, left))
+    for other in (one for one in others if causes not in imitated_by(sets[one])):
         odds = max(sets[other].chi - sets[causes].chi, 0.0) / left
         odds *= math.exp(max(log_prior(causes) - log_prior(other), 0.0)) if len(other) == len(causes) else 1.0
         held = kinds(other) | ({COULOMB} if other & set(HOLDING_COULOMB) else set())

@@ -17,7 +17,7 @@ from msd_ident.model.effects.typical import speed
 from msd_ident.selection.caveats import Caveats
 from msd_ident.selection.certainty import LEFT_PART
 from msd_ident.selection.evidence import NoiseScale, log_evidence, log_prior
-from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, Causes, Hypothesis, imitated, kinds
+from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, Causes, Hypothesis, imitated_by, kinds
 from msd_ident.selection.law_errors import (
     clear_as_friction,
     clearness,
@@ -113,14 +113,9 @@ def _called_for(causes: Causes, sets: Mapping[Causes, Hypothesis], scale: NoiseS
         return False
     if scale.shapes <= SHAPES and (within_law_error(causes, sets, scale.noise) or _adds_nothing(causes, sets, scale)):
         return False
-    simpler = (*_sufficient(causes, sets, scale), *limits(causes), *_imitated(sets[causes]))
+    simpler = (*_sufficient(causes, sets, scale), *limits(causes), *imitated_by(sets[causes]))
     known = [sets[one] for one in simpler if one in sets]
     return all(scale.of(sets[causes]) > scale.of(limit) + CALLED for limit in known)
-
-
-def _imitated(fitted: Hypothesis) -> tuple[Causes, ...]:
-    """Sets with another effect in the place of one that it is equal to."""
-    return fitted.kept("imitated", lambda: tuple(imitated(fitted.model, alike=True)))
 
 
 def _adds_nothing(causes: Causes, sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> bool:

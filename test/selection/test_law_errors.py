@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from setrigs import BASE, fitted, ranked, steps
 
-from msd_ident.model import Effect
+from msd_ident.model import Effect, Plant
+from msd_ident.model.effects.backlash import Backlash
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.cubic_spring import CubicSpring
 from msd_ident.model.effects.direction_dependent_damping import DirectionDependentDamping
@@ -274,6 +275,22 @@ def test_where_more_than_noise_is_left_a_law_is_compared_with_each_in_its_place(
     assert found.of_any((damped.name, offset.name)) > found.of_cause(damped.name), "which is in doubt, not whether one"
     exact = {**sets, "named": fitted(experiment, rubs + damped, 840.0)}
     assert ranked(exact).caveats_of(found.best.causes).instead == {}, "no error of a law is seen"
+
+
+@pytest.mark.parametrize(("between", "rival"), [(0.4, False), (40.0, True)])
+def test_a_set_that_is_the_named_one_in_other_words_is_no_rival(
+    experiment: Experiment, between: float, rival: bool
+) -> None:
+    """Stops with next to no spring between them are the play of a spring: "backlash 50 %, or an end stop"."""
+    left = 840.0 * 8.0**2
+    sets = {
+        "nothing": fitted(experiment, BASE, 840.0 * 400.0**2),
+        "play": fitted(experiment, BASE + Backlash(0.004), left),
+        "stops": fitted(experiment, Plant(1.0, 2.0, between) + EndStop(0.002, 400.0), 0.999 * left),
+    }
+    found = ranked(sets).led_by(sets["play"])
+    assert (frozenset({"end_stop"}) in found.leader_caveats.instead["backlash"]) is rival
+    assert certain(found.of_cause("backlash")) is not rival and ("end_stop" in tied(found, "backlash")) is rival
 
 
 def test_a_law_that_explains_nothing_beside_another_set_is_no_rival(experiment: Experiment) -> None:
