@@ -56,7 +56,7 @@ def value(quantity: Quantity) -> str:
     """The value alone, to the digits that its interval carries."""
     if not math.isfinite(quantity.value):
         return "–"
-    if abs(quantity.value) >= 1e6 or (quantity.value != 0.0 and abs(quantity.value) < 1e-4):
+    if abs(quantity.value) >= 1e6 or (quantity.value != 0.0 and abs(quantity.value) < 1e-4) or _tiny(quantity):
         return number(quantity.value)
     return f"{quantity.value:.{decimals(quantity.value, quantity.std)}f}"
 
@@ -68,9 +68,14 @@ def interval(quantity: Quantity) -> str:
     if quantity.std == 0.0:
         return "fixed"
     places = decimals(quantity.value, quantity.std)
-    if abs(quantity.value) < 1e-4 and quantity.value != 0.0:
+    if (abs(quantity.value) < 1e-4 and quantity.value != 0.0) or _tiny(quantity):
         return f"{number(quantity.low)} … {number(quantity.high)}"
     return f"{quantity.low:.{places}f} … {quantity.high:.{places}f}"
+
+
+def _tiny(quantity: Quantity) -> bool:
+    """Whether neither a value nor its known interval has a digit among the first four decimals."""
+    return quantity.std > 0.0 and max(abs(quantity.value), Z95 * quantity.std) < 1e-4
 
 
 def with_band(quantity: Quantity) -> str:

@@ -48,3 +48,12 @@ def test_lengths_are_shown_in_centimetres_and_nothing_else_is_changed() -> None:
 @pytest.mark.parametrize(("value", "text"), [(0.0, "0"), (27.163, "27.16"), (9.48e-5, "9.480e-05"), (math.inf, "–")])
 def test_bare_numbers_have_four_digits(value: float, text: str) -> None:
     assert numbers.number(value) == text
+
+
+def test_a_value_of_0_with_a_tiny_interval_has_digits() -> None:
+    """Fc 0.000000000 stood beside -0.000000000 … 0.000000000."""
+    tiny = Quantity(0.0, 2.5e-13, "V")
+    assert numbers.value(tiny) == "0" and numbers.interval(tiny) == "-4.900e-13 … 4.900e-13"
+    assert numbers.with_band(tiny) == "0 ± 4.9e-13"
+    plain = Quantity(0.0, 0.01, "V")
+    assert numbers.value(plain) == "0.000" and numbers.interval(plain) == "-0.020 … 0.020"
