@@ -25,7 +25,7 @@ import numpy as np
 
 from msd_ident.data.record import FloatArray
 from msd_ident.estimate.levels import ALIKE, TENTH
-from msd_ident.residuals.noise_model import Readings
+from msd_ident.residuals.noise_model import NOISE_ERROR, Readings
 from msd_ident.residuals.octaves import AT_MOTION, BANDS, OCTAVE_SHAPES, two_sided
 from msd_ident.tuning import fixed
 
@@ -77,6 +77,22 @@ class NoiseSpectrum:
     def growth(self) -> float:
         """Its standard deviation in units of the readings' noise."""
         return math.sqrt(self.chi / float(self.freedom.sum()))
+
+    @property
+    def differs(self) -> bool:
+        """Whether it is more or less, or of another colour, than the readings told."""
+        return self.memory != 0.0 or abs(self.level - 1.0) > NOISE_ERROR
+
+    def is_all_of(self, residuals: Sequence[FloatArray], readings: Sequence[Readings]) -> bool:
+        """Whether residuals in units of the readings' noise hold no more than this noise, and show it.
+
+        They show it where its level is known to ``NOISE_ERROR``, and it is not mostly rounding: the rounding error of
+        an encoder at rest is constant, which looks slow. Where it dominates at rest, the noise in motion must be more.
+        """
+        known = 2.0 / self.freedom[-1] <= NOISE_ERROR**2
+        rounded = any(part.rounded for part in readings)
+        shown = known and (not rounded or self.growth**2 > 1.0 + NOISE_ERROR)
+        return bool(shown and sum(float(one @ one) for one in residuals) < (1.0 + NOISE_ERROR) * self.chi)
 
     def whitened(self, residual: FloatArray) -> FloatArray:
         """A residual (n,) filtered so that this noise in it becomes white, with the variance of the readings' noise."""
@@ -134,6 +150,32 @@ def estimate(residuals: Sequence[FloatArray], readings: Sequence[Readings]) -> N
     level = _levels(bins, shapes)[best]
     left = (level * shapes[best] * bins.freedom) @ bins.within
     return NoiseSpectrum(float(level), *tried[best], left, bins.freedom @ bins.within)
+
+
+def only_noise(residuals: Sequence[FloatArray], readings: Sequence[Readings]) -> NoiseSpectrum | None:
+    """The noise in the residuals of a model that leaves nothing else; None where it leaves more, or nothing shows it.
+
+    Args:
+        residuals: (n,) of each record, in units of its noise (``Readings.root``).
+        readings: of the same records.
+    """
+    found = estimate(residuals, readings)
+    return found if found is not None and found.is_all_of(residuals, readings) else None
+
+
+def heard_floor(residuals: Sequence[FloatArray], readings: Sequence[Readings]) -> float:
+    """Standard deviation [m] of the noise of a model that leaves nothing else; NaN where it leaves more, where nothing
+    shows the noise, and where it is that of the readings.
+
+    Args:
+        residuals: (n,) [m] of each record.
+        readings: of the same records.
+    """
+    noise = only_noise([part.root * residual for part, residual in zip(readings, residuals, strict=True)], readings)
+    if noise is None or not noise.differs:
+        return math.nan
+    samples = sum(part.record.samples for part in readings)
+    return noise.growth * math.sqrt(sum(part.record.samples * part.noise**2 for part in readings) / samples)
 
 
 def _shape(frequency: FloatArray, white: float, memory: float) -> FloatArray:

@@ -65,9 +65,7 @@ class NoiseScale:
     @property
     def other_noise(self) -> NoiseSpectrum | None:
         """The noise of the best set's residual, if it is more or less, or of another colour, than the readings told."""
-        if self.spectrum is None or (self.spectrum.memory == 0.0 and abs(self.spectrum.level - 1.0) <= NOISE_ERROR):
-            return None
-        return self.spectrum
+        return self.spectrum if self.spectrum is not None and self.spectrum.differs else None
 
     @property
     def most(self) -> float:
@@ -143,24 +141,13 @@ def scale_from(sets: Sequence[Hypothesis], readings: Sequence[Readings], shapes:
     pieces = sum(part.evidence for part in readings)
     best = min(sets, key=lambda fitted: fitted.chi)
     least, spectrum = best.chi, best.noise_spectrum
-    if spectrum is not None and _shown(spectrum, best) and least < (1.0 + NOISE_ERROR) * spectrum.chi:
+    if spectrum is not None:
         scale = NoiseScale(spectrum.chi, shapes=shapes, pieces=pieces, spectrum=spectrum)
         return replace(scale, variance=scale.spread(least))
     noise = least if least < (1.0 + NOISE_ERROR) * pieces else pieces
     if least < MOST_OF * pieces:
         noise = 0.0  # the readings look noisier than they are, so that nobody knows what the noise leaves
     return NoiseScale(noise, NoiseScale(noise, shapes=shapes).spread(least), shapes, pieces)
-
-
-def _shown(spectrum: NoiseSpectrum, fitted: Hypothesis) -> bool:
-    """Whether a residual shows its noise: its level is known to ``NOISE_ERROR``, and it is not mostly rounding.
-
-    The rounding error of an encoder at rest is constant, which looks slow. Where it dominates at rest, the noise in
-    motion must be more.
-    """
-    known = 2.0 / spectrum.freedom[-1] <= NOISE_ERROR**2
-    rounded = any(part.rounded for part in fitted.readings)
-    return bool(known and (not rounded or spectrum.growth**2 > 1.0 + NOISE_ERROR))
 
 
 def log_evidence(fitted: Hypothesis, scale: NoiseScale) -> float:

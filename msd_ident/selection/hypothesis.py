@@ -98,8 +98,8 @@ class Hypothesis:
 
     @cached_property
     def noise_spectrum(self) -> NoiseSpectrum | None:
-        """The noise that the set would leave if it left nothing else; None if the readings cannot show it."""
-        return noise_spectrum.estimate(self._whitened, self.readings)
+        """The noise of a set that leaves nothing else; None where it leaves more, or the readings cannot show it."""
+        return noise_spectrum.only_noise(self._whitened, self.readings)
 
     @property
     def _whitened(self) -> list[FloatArray]:

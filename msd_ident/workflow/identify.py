@@ -15,7 +15,7 @@ import numpy as np
 from msd_ident.data import quality
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.errors import UsageError
-from msd_ident.estimate import FitResult, explained, fit, noise_floor, opposite_signs, see
+from msd_ident.estimate import FitResult, explained, fit, opposite_signs, see
 from msd_ident.estimate.base_fits import joint_fit, linear_fit, structure
 from msd_ident.estimate.formulation import Zero
 from msd_ident.features import StandardForm, pool
@@ -24,7 +24,8 @@ from msd_ident.model.base_model import FRICTION_FORCE
 from msd_ident.model.joint_words import said_of
 from msd_ident.paper.refinement import GRAVITY, paper_refine, record_start
 from msd_ident.quantity import Quantity
-from msd_ident.residuals import impulses
+from msd_ident.residuals import impulses, noise_model
+from msd_ident.residuals.noise_spectrum import heard_floor
 from msd_ident.workflow import known_parameters
 from msd_ident.workflow.identification import Identification, ModelFit
 from msd_ident.workflow.law_error import widened
@@ -85,14 +86,17 @@ def identify(
     progress("fitting all parameters", 0.3)
     joint, shifted = _joint(prepared, decision.sprung, options)
     explained.check(joint.residuals, records, "mass, damping, stiffness and dry friction", prepared.doubtful_units)
+    fitted, joint = joint, _heard(joint, records, options)
     progress("the linear model", 0.6)
     two_peaks = pool(found.two_peak_form for found in features)
     original = _original(records, two_peaks or form, joint, options)
     progress("raising the friction", 0.8)
     usable = form is not None and len(records) == 1 and math.isfinite(original.see)
     raised = _raised(records, original) if usable else None
-    floor = noise_floor(records)
-    warnings = prepared.warnings + decision.said + _runaway(original) + _doubts(joint, records, floor)
+    floor = joint.noise_floor
+    warnings = (
+        prepared.warnings + decision.said + _runaway(original) + _doubts(joint, records, only_noise=joint is not fitted)
+    )
     progress("done", 1.0)
     return Identification(
         records=records,
@@ -110,6 +114,12 @@ def identify(
         known=options.known,
         turned=prepared.turned,
     )
+
+
+def _heard(joint: FitResult, records: tuple[Record, ...], options: Options) -> FitResult:
+    """The fit with the noise that its residual shows, where it leaves nothing else, as a diagnosis has it."""
+    floor = heard_floor(joint.residuals, noise_model.prepare(records)) if options.loss == "linear" else math.nan
+    return replace(joint, noise_floor=floor) if math.isfinite(floor) else joint
 
 
 def _forceless(records: tuple[Record, ...]) -> bool:
@@ -234,8 +244,9 @@ def _runaway(original: ModelFit) -> tuple[str, ...]:
     )
 
 
-def _doubts(joint: FitResult, records: tuple[Record, ...], floor: float) -> tuple[str, ...]:
-    """Warnings about the joint refit."""
+def _doubts(joint: FitResult, records: tuple[Record, ...], *, only_noise: bool) -> tuple[str, ...]:
+    """Warnings about the joint refit; ``only_noise``: whether its residual shows that it leaves nothing else."""
+    floor = joint.noise_floor
     said = [] if joint.converged else [f"The joint refit did not converge: {joint.message}"]
     mass = joint.quantities["mass"]
     in_si = all((record.force_unit, record.position_unit) == ("N", "m") for record in records)
@@ -250,7 +261,7 @@ def _doubts(joint: FitResult, records: tuple[Record, ...], floor: float) -> tupl
             "something; run msd diagnose to name it."
         )
         said += [*impulses.sentences(records, joint, floor), *filter(None, [opposite_signs.warning(records)])]
-    elif (missed := _missed(joint, records)) > STRUCTURE:
+    elif not only_noise and (missed := _missed(joint, records)) > STRUCTURE:
         said.append(
             f"The refined model deviates from the readings by {100.0 * missed:.2g} % of the motion, for longer than "
             "noise "

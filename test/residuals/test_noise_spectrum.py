@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.residuals.noise_model import Readings, of_record
-from msd_ident.residuals.noise_spectrum import NoiseSpectrum, estimate
+from msd_ident.residuals.noise_spectrum import NoiseSpectrum, estimate, heard_floor, only_noise
 
 SAMPLES = 6000
 TIME = np.arange(SAMPLES) / 1000.0
@@ -144,3 +144,20 @@ def test_short_stretches_show_no_noise_slower_than_a_tenth_of_them() -> None:
     assert long is not None and long.memory > 8.0
     short = estimate(parts, [containing(one) for one in parts])
     assert short is not None and short.memory <= 6.0
+
+
+@pytest.mark.parametrize(("memory", "size"), [(3.0, 1.0), (10.0, 5.0), (0.0, 3.0)])
+def test_a_residual_of_nothing_but_noise_tells_its_floor(memory: float, size: float) -> None:
+    told = 1e-5
+    residual = size * noise(memory)
+    one = containing(residual, told)
+    assert heard_floor([told * residual], [one]) == pytest.approx(told * size, rel=0.1)
+    assert only_noise([residual], [one]) is not None
+    wrong = residual + 3.0 * size * MOTION
+    assert only_noise([wrong], [containing(wrong, told)]) is None
+    assert math.isnan(heard_floor([told * wrong], [containing(wrong, told)])), "an error of a law is no noise"
+
+
+def test_noise_that_the_readings_told_is_theirs() -> None:
+    residual = noise(0.0)
+    assert math.isnan(heard_floor([1e-3 * residual], [readings()]))

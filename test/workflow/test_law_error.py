@@ -6,6 +6,8 @@ import math
 from dataclasses import replace
 
 import numpy as np
+import pytest
+import scipy.signal
 
 from msd_ident.data.record import Record, from_samples
 from msd_ident.estimate import fit
@@ -76,3 +78,15 @@ def test_what_rest_at_the_start_tells_is_known_beside_a_law_that_is_missing() ->
     before, after = found.quantities["stiffness"], widened(found).quantities["stiffness"]
     assert before.std < after.std < 3.0 * before.std < 0.1 * before.value
     assert abs(after.value - 0.0874) < 2.0 * after.std
+
+
+@pytest.mark.parametrize(("cubic", "lacks"), [(0.0, False), (2e4, True)])
+def test_noise_that_wanders_is_no_law_that_the_model_lacks(cubic: float, lacks: bool) -> None:
+    """A diagnosis of the same record said "adequate"."""
+    rng = np.random.default_rng(5)
+    record = random_steps(PLANT + CubicSpring(cubic), 2)
+    wander = scipy.signal.lfilter([math.sqrt(1.0 - 0.9**2)], [1.0, -0.9], rng.standard_normal(record.samples))
+    found = pipeline.identify([replace(record, position=record.position + 5e-5 * wander)])
+    assert any("the model lacks something" in said for said in found.warnings) is lacks
+    if not lacks:
+        assert found.noise_floor == pytest.approx(5.1e-5, rel=0.1) and found.noise_floor > 0.9 * found.refined.see
