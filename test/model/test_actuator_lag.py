@@ -43,6 +43,9 @@ def test_a_motor_with_inductance_is_a_lag_and_its_mass_is_within_what_is_said(
 
 def test_where_the_two_differ_nothing_is_said() -> None:
     assert LAG.same_as(PLANT + LAG).startswith(f"{SAID}: then the mass is up to 20 % larger")
+    for part, words in ((0.2, "3 times as large"), (1e-4, "many times as large")):
+        light = PLANT.with_values({"mass": part * 0.5 * PLANT.mass})
+        assert f"the mass is up to {words}, and" in LAG.same_as(light + LAG)
     assert LAG.same_as(PLANT + LAG + SensorDrift(1e-4)).startswith(SAID)
     for beside in (CoulombFriction(0.1), PositionDependentGain(1.0, 0.0)):
         said = LAG.same_as(PLANT + LAG + beside)

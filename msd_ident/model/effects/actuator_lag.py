@@ -58,7 +58,7 @@ class ActuatorLag(Effect):
         beside = any(effect.acts_on == "force" for effect in model.effects)
         return (
             f"actuator_lag is {'nearly ' if beside else ''}equivalent to a motor's back-EMF behind its inductance, "
-            f"where a voltage drives it: then the mass is up to {100.0 * more:.2g} % larger, and the damping smaller. "
+            f"where a voltage drives it: then the mass is up to {_larger(more)}, and the damping smaller. "
             "Let the cart swing with the drive disconnected to tell them apart."
         )
 
@@ -72,3 +72,10 @@ class ActuatorLag(Effect):
         """One sample, and a thirtieth of the swing's period."""
         swing = 2.0 * math.pi / typical.natural_frequency(record, plant)
         return cls(record.period), cls(0.03 * swing)
+
+
+def _larger(more: float) -> str:
+    """By how much a mass is larger, as a part of it, in words."""
+    if more < 1.0:
+        return f"{100.0 * more:.2g} % larger"
+    return f"{1.0 + more:.2g} times as large" if more < 99.0 else "many times as large"
