@@ -195,10 +195,16 @@ def _late(stream: _Stream, stamps: Stamps, data: FloatArray) -> int:
         i = int(late[np.argmax(behind[late] > LATEST_SECONDS)]) if far.size else int(late[0])
         raise DataError(
             f"{what} stamps run backwards: {behind[i]:.3f} s back at sample {i + 1} of {stamps.size} "
-            f"({late.size} samples in all); expected rising stamps: the recording was looped or its clock was "
-            "reset, use one pass of it"
+            f"({late.size} samples in all); expected rising stamps: {_why_late(late, stamps)}"
         )
     return int(late.size)
+
+
+def _why_late(late: npt.NDArray[np.int64], stamps: Stamps) -> str:
+    """Why stamps run backwards, and what to do."""
+    if late.size == stamps.size - 1 > 1:
+        return "they run from the end to the beginning, sort them by time"
+    return "the recording was looped or its clock was reset, use one pass of it"
 
 
 def _repeated(stamps: Stamps, data: FloatArray, late: npt.NDArray[np.int64]) -> npt.NDArray[np.bool_]:

@@ -45,7 +45,7 @@ def test_stamps_that_jump_back_are_refused() -> None:
     ns = 10**18 + 10**6 * np.arange(100, dtype=np.int64)
     for places, words in (
         ([*range(100), *range(50)], "0.099 s back at sample 101 of 150 \\(50 samples in all\\)"),
-        ([*range(99, -1, -1)], "0.001 s back at sample 2 of 100 \\(99 samples in all\\)"),
+        ([*range(99, -1, -1)], "0.001 s back at sample 2 of 100 \\(99 samples in all\\); .* sort them by time"),
     ):
         with pytest.raises(DataError, match=words):
             from_stamps(ns[places], np.arange(float(len(places))), ns[:1], [0.0])
