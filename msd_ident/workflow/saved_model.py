@@ -96,7 +96,7 @@ def load_all(path: str | os.PathLike[str]) -> tuple[SavedModel, ...]:
         DataError: as ``load``.
     """
     try:
-        text = Path(path).read_text(encoding="utf-8")
+        text = Path(path).read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         why = error.strerror if isinstance(error, OSError) else "it is not text"
         raise DataError(f"cannot read {path}: {why}; expected a result that --json wrote") from None
@@ -197,6 +197,8 @@ def _next(schema: str) -> str:
 
 def _number(name: str, value: Any) -> float:
     """A number of the result as Python has it: JSON has whole numbers of any length."""
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise ValueError(f"{name} is {json.dumps(value)[:40]}, which is no number")
     try:
         return float(value)
     except OverflowError:
@@ -211,7 +213,10 @@ def _number_or_nan(name: str, value: Any) -> float:
 def _quantity(name: str, told: Mapping[str, Any]) -> Quantity:
     """A quantity; strict JSON has ``null`` for an infinite limit, which is none."""
     value = math.inf if told["value"] is None else _number(name, told["value"])
-    return Quantity(value, _number_or_nan(f"the std of {name}", told["std"]), str(told["unit"]))
+    std = _number_or_nan(f"the std of {name}", told["std"])
+    if std < 0.0:
+        raise ValueError(f"the std of {name} is {std:g}, below 0")
+    return Quantity(value, std, str(told["unit"]))
 
 
 def _rival(told: Mapping[str, Any]) -> tuple[tuple[str, ...], float]:

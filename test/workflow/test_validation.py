@@ -221,6 +221,33 @@ def test_a_whole_number_that_no_computer_can_use_is_refused(
     assert f"{path} lacks what a simulation needs ({words}" in found.err and "renew it with msd identify" in found.err
 
 
+@pytest.mark.xdist_group("validation")
+@pytest.mark.parametrize(
+    ("key", "value", "words"),
+    [
+        ("value", "0.8", 'mass is "0.8", which is no number'),
+        ("value", True, "mass is true, which is no number"),
+        ("std", "small", 'the std of mass is "small", which is no number'),
+        ("std", -1.0, "the std of mass is -1, below 0"),
+    ],
+)
+def test_a_word_or_a_negative_spread_in_the_place_of_a_number_is_refused(
+    key: str, value: object, words: str, told: dict[str, Any]
+) -> None:
+    broken = json.loads(json.dumps(told))
+    broken["refined"]["parameters"]["mass"][key] = value
+    with pytest.raises(DataError) as refused:
+        saved_model.from_json_dict(broken)
+    assert f"lacks what a simulation needs ({words})" in str(refused.value)
+
+
+@pytest.mark.xdist_group("validation")
+def test_a_result_that_an_editor_marked_as_unicode_is_read(told: dict[str, Any], tmp_path: Path) -> None:
+    path = tmp_path / "model.json"
+    path.write_text(json.dumps(told), encoding="utf-8-sig")
+    assert msd_ident.load(path).model == saved_model.from_json_dict(told).model
+
+
 def test_other_units_and_demands_that_make_no_sense_are_refused(told: dict[str, Any]) -> None:
     model = saved_model.from_json_dict(told)
     with pytest.raises(
