@@ -21,7 +21,8 @@ def write_text(text: str, path: Path) -> None:
 
 
 def write_files(contents: Mapping[Path, bytes], expected: str = "a writable place") -> None:
-    """Write files. What stands there stays as it is until all of them are on the disk.
+    """Write files. What stands there stays as it is until all of them are on the disk; only devices and pipes are
+    written at once.
 
     Args:
         contents: of each file.

@@ -157,6 +157,8 @@ def _ordered(stream: _Stream, stamps: Stamps, values: npt.ArrayLike, notes: list
     late = _late(stream, stamps, data)
     if late:
         notes.append(f"{what}: {late} of {stamps.size} samples came late and were sorted by their stamps.")
+    if stream.begin is not None and (early := _out_of_order(stamps, stream.begin)):
+        notes.append(f"{what}: {early} samples from before the positions came out of order and were sorted.")
     unique, first = np.unique(stamps, return_index=True)
     dropped = stamps.size - unique.size
     if what == "position" and unique.size < MINIMUM_SAMPLES <= stamps.size:
@@ -177,32 +179,32 @@ def _ordered(stream: _Stream, stamps: Stamps, values: npt.ArrayLike, notes: list
 def _late(stream: _Stream, stamps: Stamps, data: FloatArray) -> int:
     """Number of samples that are older than one before them.
 
-    Not of forces that were there before, as where a rig tells what it was told, nor of those from before the positions:
-    a publisher that keeps its commands sends them all to one who listens late.
+    Not of forces that were there before, as where a rig tells what it was told, nor of those from before the positions
+    (``_from_before``).
 
     Raises:
         DataError: they are more than chance delays on the way explain, or one is late by more than
             ``LATEST_SECONDS`` and no repetition of an earlier one.
     """
-    what, tick, begin = stream.what, stream.tick, stream.begin
+    what, tick = stream.what, stream.tick
     behind = (np.maximum.accumulate(stamps) - stamps) * tick
     late = np.flatnonzero(behind > 0)
-    if begin is not None:
-        late = late[(stamps[late] >= begin) & ~_repeated(stamps, data, late)]
+    if stream.begin is not None:
+        late = late[~(_from_before(stamps, stream.begin)[late] | _repeated(stamps, data, late))]
     far = late[behind[late] > LATEST_SECONDS]
     fresh = [i for i in far[:100] if not np.any((stamps[:i] == stamps[i]) & (data[:i] == data[i]))]
     if late.size > max(5, stamps.size // 100) or fresh:
         i = int(late[np.argmax(behind[late] > LATEST_SECONDS)]) if far.size else int(late[0])
         raise DataError(
             f"{what} stamps run backwards: {behind[i]:.3f} s back at sample {i + 1} of {stamps.size} "
-            f"({late.size} samples in all); expected rising stamps: {_why_late(late, stamps)}"
+            f"({late.size} samples in all); expected rising stamps: {_why_late(stamps)}"
         )
     return int(late.size)
 
 
-def _why_late(late: npt.NDArray[np.int64], stamps: Stamps) -> str:
+def _why_late(stamps: Stamps) -> str:
     """Why stamps run backwards, and what to do."""
-    if late.size == stamps.size - 1 > 1:
+    if np.all(np.diff(stamps) <= 0):
         return "they run from the end to the beginning, sort them by time"
     return "the recording was looped or its clock was reset, use one pass of it"
 
@@ -212,3 +214,18 @@ def _repeated(stamps: Stamps, data: FloatArray, late: npt.NDArray[np.int64]) -> 
     unique, first = np.unique(stamps, return_index=True)
     before = first[np.searchsorted(unique, stamps[late])]
     return np.asarray((before < late) & (data[before] == data[late]), dtype=np.bool_)
+
+
+def _from_before(stamps: Stamps, begin: float) -> npt.NDArray[np.bool_]:
+    """Which forces are from before the first position, where the stream ends within the record or never gets there.
+
+    A publisher that keeps its commands sends them all to one who listens late, and goes on. A clock that is set back
+    stays there.
+    """
+    before = np.asarray(stamps < begin, dtype=np.bool_)
+    return before if not before[-1] or before.all() else np.zeros(before.size, dtype=np.bool_)
+
+
+def _out_of_order(stamps: Stamps, begin: float) -> int:
+    """Number of forces from before the first position that came behind newer ones."""
+    return int(np.count_nonzero(_from_before(stamps, begin) & (np.maximum.accumulate(stamps) > stamps)))

@@ -198,13 +198,13 @@ def _proposed(question: Question, diagnosis: Diagnosis, called: Sequence[str], v
     low, high, speed = safety.extremes(question.predictors, option.grid.record)
     sentence = f"{_sentence(option, called, verb, unit, beyond)} {hardest} {_moved((low, high), speed, length)}"
     likely = option.probability if verb == "parts" else _shown(option, called)[0]
-    if likely < IN_VAIN:
+    if (likely if verb == "parts" else float(np.max(option.parting.decided[1:]))) < IN_VAIN:
         sentence = _instead(called, verb, [what for *_, what in apart])
     looked = sorted(found.all, key=lambda one: -one.probability)
     return Proposal(
         profile=option.profile,
         names=tuple(called),
-        probability=option.probability,
+        probability=likely,
         decided=option.parting.decided,
         travel=(low, high),
         peak_speed=speed,

@@ -95,18 +95,18 @@ def starts_unpushed(record: Record, at_rest: bool) -> bool:
 
     Args:
         record: a record without any force does not count.
-        at_rest: result of ``starts_at_rest``. If False, a push of size must come by the second sample, of a ramp the
-            first value is none, and must not go on from before the record, and the velocity at the first sample must be
-            zero within its uncertainty. If no parabola passes through the first samples, they do not show that
-            velocity.
+        at_rest: result of ``starts_at_rest``. If False, a tenth of the largest force must act by the second sample
+            (the first values of a ramp are no push), it must not go on from before the record, and the velocity at the
+            first sample must be zero within its uncertainty. If no parabola passes through the first samples, they do
+            not show that velocity.
     """
     pushes = np.flatnonzero(record.force)
     if not pushes.size or record.force_time[pushes[0]] < record.time[0]:
         return False
     if at_rest:
         return True
-    early = record.force_time[pushes[0]] <= record.time[1]
-    early &= bool(abs(record.force[pushes[0]]) > TENTH * np.max(np.abs(record.force)))
+    first = np.abs(record.force[record.force_time <= record.time[1]])
+    early = bool(np.max(first, initial=0.0) > TENTH * np.max(np.abs(record.force)))
     count = max(4, min(record.samples // 500, 40))
     within = int(np.searchsorted(record.force_time, record.time[count - 1], side="right"))
     if _goes_on(record.force[pushes[0] : within]):

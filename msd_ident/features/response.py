@@ -181,13 +181,16 @@ def _initial(record: Record, onset: Onset, noise: Noise) -> Quantity:
 def _starts_still(record: Record, noise: Noise, swing: float) -> bool:
     """Whether a record that begins with the step begins at rest.
 
-    Nothing moves in the first half of the samples until the cart is a twentieth of the swing away: it sticks, or the
-    encoder is coarse. Or a cubic through these samples: from rest the way grows with the square of the time, so the
-    slope at the start has hardly a part in it.
+    Up to where the cart is a twentieth of the swing away, it hardly moves in the first half of the time: it sticks.
+    Or a cubic through these samples: from rest the way grows with the square of the time, so the slope at the start has
+    hardly a part in it.
     """
-    away = np.flatnonzero(np.abs(record.position - record.position[0]) > max(0.05 * swing, 10.0 * noise.floor))
+    reach = max(0.05 * swing, 10.0 * noise.floor)
+    away = np.flatnonzero(np.abs(record.position - record.position[0]) > reach)
     count = max(8, int(away[0]) + 1) if away.size else record.samples
-    if is_quiet(record.position[: count // 2], noise):
+    # A cart that moves evenly is half-way there, which so many samples and an encoder so fine must show.
+    sticks = float(np.ptp(record.position[: count // 2])) <= max(0.1 * reach, 1.01 * noise.step)
+    if sticks and count >= 2 * SHORTEST and reach > 4.0 * noise.step:
         return True
     u = np.arange(count) / (count - 1.0)
     slope = float(np.polynomial.polynomial.polyfit(u, record.position[:count], 3)[1])

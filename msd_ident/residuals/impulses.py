@@ -89,7 +89,7 @@ class _Unexplained:
 
 def _unexplained(record: Record, model: Model, noise: float, zero: float, residual: FloatArray | None) -> _Unexplained:
     plant = (model["mass"], model["damping"], model["stiffness"])
-    if residual is None or set(model.effect_names) <= {DRY_FRICTION}:
+    if residual is None or _is_plain(model):
         found = missing_force(record, plant, noise, zero)
         friction = friction_force(model) * np.sign(found.velocity)
         force = friction - found.force
@@ -99,6 +99,11 @@ def _unexplained(record: Record, model: Model, noise: float, zero: float, residu
     # A linear plant stands for the model: after a push it errs by a part of it.
     least = MOST_OF**2 * float(np.max(np.abs(found.force)))
     return _Unexplained(-found.force, np.maximum(BEYOND_DOUBT * np.maximum(_usual(found.force), found.std), least))
+
+
+def _is_plain(model: Model) -> bool:
+    """Whether a model has no law besides dry friction."""
+    return set(model.effect_names) <= {DRY_FRICTION}
 
 
 def _usual(force: FloatArray) -> float:
@@ -120,10 +125,11 @@ def sentences(records: Sequence[Record], fitted: FitResult, noise: float) -> tup
         noise: standard deviation of a reading [m].
     """
     said, mass = [], fitted.quantities["mass"]
+    sized = mass.known and _is_plain(fitted.model)  # beside other laws a linear plant stands for the model
     for record, residual, initial in zip(records, fitted.residuals, fitted.initial, strict=True):
         for push in pushes(record, fitted.model, noise, initial.zero, residual):
             where = f" of {record.name}" if len(records) > 1 else ""
-            size = f"about {push.impulse:.3g} {record.force_unit}·s that are" if mass.known else "an impulse that is"
+            size = f"about {push.impulse:.3g} {record.force_unit}·s that are" if sized else "an impulse that is"
             said.append(
                 f"Something pushed the cart at {push.time:.3f} s{where} with {size} in no signal: a bump, a "
                 "collision, or a stop or a limit of the drive that the model lacks. It makes the parameters wrong: "

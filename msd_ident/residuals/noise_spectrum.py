@@ -159,6 +159,8 @@ def only_noise(residuals: Sequence[FloatArray], readings: Sequence[Readings]) ->
         residuals: (n,) of each record, in units of its noise (``Readings.root``).
         readings: of the same records.
     """
+    if not any(np.any(residual) for residual in residuals):
+        return None
     found = estimate(residuals, readings)
     return found if found is not None and found.is_all_of(residuals, readings) else None
 

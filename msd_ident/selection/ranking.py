@@ -9,7 +9,7 @@ from typing import Any
 from msd_ident.model.effects import by_name
 from msd_ident.selection.caveats import Caveats
 from msd_ident.selection.certainty import CERTAIN, CERTAIN_ODDS, certain, probability_at, uncertain, usual
-from msd_ident.selection.hypothesis import COULOMB, Causes, Hypothesis, kinds
+from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, Causes, Hypothesis, kinds
 from msd_ident.tuning import tuned
 
 DECISIVE = tuned(
@@ -147,11 +147,14 @@ class Ranking:
         others may act in the place of a law that holds it as a limit, also of one that is a form of it.
         """
         names = frozenset(names)
-        asked, rubs = kinds(names), COULOMB in names and len(names) > 1
+        asked = kinds(names)
+        rubs = names & set(HOLDING_COULOMB) if COULOMB in names else frozenset[str]()
         found = self._of_any_by_sets(asked, rubs)
         own = [law for law in self.best.causes if by_name(law).cause() in asked]
-        told = {"rich": self.rich, "steered": self.steered, "rubs": rubs}
-        most = max((self.leader_caveats.greatest(law, asked, **told) for law in own), default=1.0)
+        told = {"rich": self.rich, "steered": self.steered}
+        most = max(
+            (self.leader_caveats.greatest(law, asked, rubs=_rubs(law, rubs), **told) for law in own), default=1.0
+        )
         if not certain(most):
             found = min(found, most if self.leader_caveats.leaves else max(most, CERTAIN))
         if self.pushed_unseen or self.balanced:
@@ -164,7 +167,7 @@ class Ranking:
         """Probability of a cause that the sets give together, before what limits it whatever the set."""
         return self._of_any_by_sets(kinds((name,)))
 
-    def _of_any_by_sets(self, asked: frozenset[str], rubs: bool = False) -> float:
+    def _of_any_by_sets(self, asked: frozenset[str], rubs: frozenset[str] = frozenset()) -> float:
         """Probability that one of these causes acts, as the sets give it together.
 
         A set with a law of another cause that gives the same motion as one of them (``alike``) counts as well.
@@ -173,7 +176,7 @@ class Ranking:
         for fitted, p in zip(self.sets, self.probability, strict=True):
             caveats = self.caveats_of(fitted.causes)
             laws = [law for law in fitted.causes if by_name(law).cause() in asked]
-            own = [caveats.greatest(law, asked, rubs=rubs, **told) for law in laws]
+            own = [caveats.greatest(law, asked, rubs=_rubs(law, rubs), **told) for law in laws]
             twins = [law for law, twin in caveats.alike.items() if by_name(twin).cause() in asked]
             found += p * max((*own, *(caveats.of_same_motion(law, **told) for law in twins)), default=0.0)
         return found
@@ -207,3 +210,8 @@ class Ranking:
         """Sets whose evidence is not more than this below the leading one."""
         least = self.evidence[0] - nats
         return [fitted for fitted, value in zip(self.sets, self.evidence, strict=True) if value >= least]
+
+
+def _rubs(law: str, asked: frozenset[str]) -> bool:
+    """Whether Coulomb friction may act in the place of a law: of one of ``asked``, and beside these of a form of it."""
+    return law in asked or (bool(asked) and law in HOLDING_COULOMB and by_name(law).cause() == COULOMB)

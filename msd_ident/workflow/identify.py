@@ -86,7 +86,8 @@ def identify(
     progress("fitting all parameters", 0.3)
     joint, shifted = _joint(prepared, decision.sprung, options)
     explained.check(joint.residuals, records, "mass, damping, stiffness and dry friction", prepared.doubtful_units)
-    fitted, joint = joint, _heard(joint, records, options)
+    heard = _heard(joint, records, options)
+    joint = heard or joint
     progress("the linear model", 0.6)
     two_peaks = pool(found.two_peak_form for found in features)
     original = _original(records, two_peaks or form, joint, options)
@@ -95,7 +96,7 @@ def identify(
     raised = _raised(records, original) if usable else None
     floor = joint.noise_floor
     warnings = (
-        prepared.warnings + decision.said + _runaway(original) + _doubts(joint, records, only_noise=joint is not fitted)
+        prepared.warnings + decision.said + _runaway(original) + _doubts(joint, records, only_noise=heard is not None)
     )
     progress("done", 1.0)
     return Identification(
@@ -116,10 +117,12 @@ def identify(
     )
 
 
-def _heard(joint: FitResult, records: tuple[Record, ...], options: Options) -> FitResult:
-    """The fit with the noise that its residual shows, where it leaves nothing else, as a diagnosis has it."""
+def _heard(joint: FitResult, records: tuple[Record, ...], options: Options) -> FitResult | None:
+    """The fit with the noise that its residual shows, as a diagnosis has it; None where it leaves more, and where the
+    noise is that of the readings.
+    """
     floor = heard_floor(joint.residuals, noise_model.prepare(records)) if options.loss == "linear" else math.nan
-    return replace(joint, noise_floor=floor) if math.isfinite(floor) else joint
+    return replace(joint, noise_floor=floor) if math.isfinite(floor) else None
 
 
 def _forceless(records: tuple[Record, ...]) -> bool:
@@ -187,7 +190,8 @@ def _linear_fit(records: tuple[Record, ...], joint: FitResult, options: Options)
     """Linear model by simulation error, started from the joint refit's values too."""
     what = "mass, damping and stiffness" if "stiffness" in joint.free else "mass and damping"
     method = f"{what} fitted by simulation error, as no response gives features"
-    return _with_friction(_wide(linear_fit(records, joint, options.loss), options), records, method)
+    linear = replace(linear_fit(records, joint, options.loss), noise_floor=joint.noise_floor)
+    return _with_friction(_wide(linear, options), records, method)
 
 
 def _raised(records: tuple[Record, ...], original: ModelFit) -> ModelFit:
@@ -245,7 +249,7 @@ def _runaway(original: ModelFit) -> tuple[str, ...]:
 
 
 def _doubts(joint: FitResult, records: tuple[Record, ...], *, only_noise: bool) -> tuple[str, ...]:
-    """Warnings about the joint refit; ``only_noise``: whether its residual shows that it leaves nothing else."""
+    """Warnings about the joint refit; ``only_noise``: its residual shows that it leaves nothing else (``_heard``)."""
     floor = joint.noise_floor
     said = [] if joint.converged else [f"The joint refit did not converge: {joint.message}"]
     mass = joint.quantities["mass"]

@@ -5,9 +5,10 @@ and a record shows a few features of it, however many samples it has. So the var
 
     v = σ² + (Σ e² − N σ²) / ν,
 
-with the residual e, the noise σ and the number of samples N, and the covariance at least v·(JᵀJ)⁻¹: the rule of
-``diagnosis.intervals``, so that both commands state one interval for one model. What rest at the start tells
-is no worse known for an error of a law in motion.
+with the residual e, the noise σ and the number of samples N. Where only the readings tell, the covariance is at least
+v·(JᵀJ)⁻¹, the rule of ``diagnosis.intervals``, so that both commands state one interval for one model. What rest at the
+start tells is no worse known for an error of a law in motion: with its weights W, A = JᵀJ + W and its part R of the
+meat, the covariance is at least A⁻¹ (v·JᵀJ + R) A⁻¹.
 """
 
 from __future__ import annotations

@@ -7,6 +7,7 @@ import math
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from numbers import Real
 from pathlib import Path
 from typing import Any
 
@@ -197,8 +198,8 @@ def _next(schema: str) -> str:
 
 def _number(name: str, value: Any) -> float:
     """A number of the result as Python has it: JSON has whole numbers of any length."""
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise ValueError(f"{name} is {json.dumps(value)[:40]}, which is no number")
+    if isinstance(value, bool) or not isinstance(value, Real):
+        raise ValueError(f"{name} is {json.dumps(value, default=str)[:40]}, which is no number")
     try:
         return float(value)
     except OverflowError:

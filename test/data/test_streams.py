@@ -84,6 +84,24 @@ def test_commands_from_before_the_record_may_come_in_any_order() -> None:
     record = from_stamps(ns[100:], np.arange(100.0), ns[places], force[places])
     np.testing.assert_array_equal(record.force_time, clean.force_time)
     np.testing.assert_array_equal(record.force, clean.force)
+    assert any("80 samples from before the positions came out of order" in note for note in record.notes)
+
+
+@pytest.mark.parametrize("back", [0, 10**18 - 5 * 10**11])
+def test_a_clock_of_the_force_that_is_set_back_is_no_history(back: int) -> None:
+    """From halfway on all forces are from before the record: they act within it."""
+    ns = 10**18 + 10**7 * np.arange(200, dtype=np.int64)
+    told = ns.copy()
+    told[100:] = back + 10**7 * np.arange(100)
+    with pytest.raises(DataError, match="force stamps run backwards"):
+        from_stamps(ns, np.arange(200.0), told, np.arange(200.0))
+
+
+def test_one_stamp_in_the_future_is_no_reversed_table() -> None:
+    ns = 10**18 + 10**7 * np.arange(50, dtype=np.int64)
+    told = np.append(ns[-1] + 10**12, ns)
+    with pytest.raises(DataError, match="looped or its clock was reset"):
+        from_stamps(told, np.arange(51.0), ns[:1], [0.0])
 
 
 def test_forces_that_jump_back_within_the_record_are_refused() -> None:

@@ -82,6 +82,10 @@ def test_a_push_at_the_second_sample_moves_a_cart_that_rests(rate: float) -> Non
     assert starts_unpushed(moved, False)
     later = replace(moved, force=np.where(np.arange(time.size) > 2, 10.0, 0.0))
     assert not starts_unpushed(later, False)
+    measured_force = replace(moved, force=force + 0.01 * np.random.default_rng(1).standard_normal(time.size))
+    assert starts_unpushed(measured_force, False), "its sensor has noise before the push"
+    ramp = replace(moved, force=np.linspace(0.0, 10.0, time.size))
+    assert not starts_unpushed(ramp, False), "its first value is no push"
 
 
 @pytest.mark.parametrize("hold", ["zero", "linear"])

@@ -208,3 +208,19 @@ def test_a_jolt_before_the_motion_is_no_swing_of_it(seed: int) -> None:
     (response,) = extract(replace(clean, position=clean.position + shaken)).responses
     assert response.form is not None and response.form.natural_frequency.value == pytest.approx(2.0, rel=0.02)
     assert response.turns == () and response.peaks is None
+
+
+@pytest.mark.parametrize(("noise", "step"), [(0.0, 0.0), (0.02, 0.0), (0.0, 0.05), (0.0, 0.2)])
+def test_a_cart_that_moves_evenly_as_the_record_begins_is_not_at_rest(noise: float, step: float) -> None:
+    """Whatever hides its first samples; ``noise`` and encoder ``step`` are parts of the way."""
+    time = np.arange(0.0, 8.0, 5e-3)
+    rested = 0
+    for seed in range(20):
+        rng = np.random.default_rng(seed)
+        clean = record(Rig(frequency=2.04, ratio=0.06, gain=1.0), time, [(0.005, 1.0)])
+        size = rng.choice([-1.0, 1.0]) * rng.uniform(0.3, 0.8)
+        moving = clean.position + size * np.exp(-0.12 * time) * np.sin(2.04 * time)
+        moving += noise * rng.standard_normal(time.size)
+        moving = step * np.round(moving / step) if step else moving
+        rested += bool(extract(replace(clean, position=moving)).responses)
+    assert rested <= 3, "noise of 2 % hides a start of a few samples"

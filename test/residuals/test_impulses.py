@@ -93,6 +93,7 @@ def test_the_force_of_a_law_of_the_model_is_no_push(push: float, count: int) -> 
     said = sentences([record], found, NOISE)
     assert len(said) == count
     assert all(one.startswith("Something pushed the cart at 2.0") for one in said)
+    assert all(" s with an impulse that is in no signal" in one for one in said), "its size is not known to a tenth"
     if not push:
         (alone,) = found.initial
         assert pushes(record, found.model, NOISE, alone.zero), "what the plant alone lacks looks like one"

@@ -98,6 +98,11 @@ def test_that_dry_friction_acts_is_not_doubted_where_its_form_is(
     assert certain(found.of_cause(law.name)) is not tie
     assert tied(found, law.name) == (("coulomb_friction",) if tie else ())
     assert certain(found.of_any((law.name, "coulomb_friction")))
+    own = found.of_cause(law.name)
+    assert found.of_any((law.name, "cubic_spring")) == pytest.approx(own), (
+        "that a spring may act makes friction no surer"
+    )
+    assert found.of_any(("coulomb_friction", "cubic_spring")) == pytest.approx(found.of_cause("coulomb_friction"))
     if tie:
         least = in_place(found, found.best.causes)
         assert least.keys() == {frozenset({"coulomb_friction"})}

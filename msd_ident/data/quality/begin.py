@@ -62,7 +62,7 @@ def rests_under_force(record: Record) -> bool:
 
 
 def _passes(held: FloatArray, after: FloatArray, noise: Noise) -> bool:
-    """Whether a cart moves on, after a change of the force, as far as it does in the same time before."""
+    """Whether a cart moved before a change of the force, at least half as far as in the same time after it."""
     moves = float(np.ptp(held)) > 2.0 * _STILL * noise.floor + noise.step
     return moves and float(np.ptp(held)) > 0.5 * float(np.ptp(after))
 

@@ -77,5 +77,10 @@ class ActuatorLag(Effect):
 def _larger(more: float) -> str:
     """By how much a mass is larger, as a part of it, in words."""
     if more < 1.0:
-        return f"{100.0 * more:.2g} % larger"
-    return f"{1.0 + more:.2g} times as large" if more < 99.0 else "many times as large"
+        return f"{_digits(100.0 * more)} % larger"
+    return f"{_digits(1.0 + more)} times as large" if more < 99.0 else "many times as large"
+
+
+def _digits(value: float) -> str:
+    """Two digits, or the whole number."""
+    return f"{value:.0f}" if value >= 10.0 else f"{value:.2g}"

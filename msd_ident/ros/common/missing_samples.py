@@ -25,7 +25,8 @@ class TopicCount:
 
     Attributes:
         received: messages handed over.
-        lost: messages that their publisher numbered and that never came; known while a topic has one publisher.
+        lost: messages that their publisher numbered and that never came, as far as they came from one publisher: two
+            number each its own messages, and nothing tells them apart.
         restarts: numbers that fell: a publisher restarted, or there are two.
         holes: samples that a regular train of stamps lacks.
         last_received: when the last one came, on the monotonic clock [s]; 0.0: never.

@@ -56,7 +56,7 @@ class Following:
         self._refused: set[str] = set()
         self._types: dict[str, str] = {}
         self._latched: list[Subscription] = []
-        self._several: set[str] = set()
+        self._several: dict[str, int] = {}  # topics of several publishers, and their restarts at the last look
         self.subscriptions: dict[str, Subscription] = {}
 
     def look(self) -> None:
@@ -87,8 +87,7 @@ class Following:
         publishers = self._node.get_publishers_info_by_topic(topic)
         if not publishers:
             return
-        if len(publishers) > 1:
-            self._several.add(topic)
+        self._judge(topic, len(publishers))
         offered = [publisher.qos_profile for publisher in publishers]
         qos = names.matching_qos(offered, self._depth)
         has = self.subscriptions.get(topic)
@@ -158,10 +157,19 @@ class Following:
         return take
 
     def _is_alone(self, topic: str) -> bool:
-        """Whether a topic has had one publisher so far: each numbers its own messages, and nothing tells them apart."""
+        """Whether a topic has one publisher: each numbers its own messages, and nothing tells them apart."""
         if self._node.count_publishers(topic) > 1:
-            self._several.add(topic)
+            self._several[topic] = -1
         return topic not in self._several
+
+    def _judge(self, topic: str, publishers: int) -> None:
+        """Note that a topic has several publishers, until it has one and no number fell from one look to the next."""
+        count = self._recording.summary.topics.get(topic)
+        restarts = 0 if count is None else count.restarts
+        if publishers == 1 and self._several.get(topic) == restarts:
+            del self._several[topic]
+        elif publishers > 1 or topic in self._several:
+            self._several[topic] = restarts if publishers == 1 else -1
 
 
 def _mixed(offered: Sequence[QoSProfile]) -> bool:
