@@ -74,12 +74,16 @@ def test_the_identifier_ends_on_two_interrupts(ros: Graph) -> None:
         ended(process)
 
 
-def test_the_identifier_ends_in_the_middle_of_a_diagnosis_while_many_call(ros: Graph, tmp_path: Path) -> None:
+def long_record(path: Path) -> None:
+    """A table that takes a diagnosis many seconds."""
     time = np.arange(60_000) / 300.0
     swing = np.sin(8.0 * time + np.sin(time)) * np.exp(-(time % 3.0))
     table = np.column_stack((time, 10.0 * ((time // 1.5) % 2), 0.01 * swing))
-    header = "time_s,force_n,position_m"
-    np.savetxt(tmp_path / "long.csv", table, "%.9g", delimiter=",", header=header, comments="")
+    np.savetxt(path, table, "%.9g", delimiter=",", header="time_s,force_n,position_m", comments="")
+
+
+def test_the_identifier_ends_in_the_middle_of_a_diagnosis_while_many_call(ros: Graph, tmp_path: Path) -> None:
+    long_record(tmp_path / "long.csv")
     stages: list[str] = []
     with running(ros, "identifier", bag_folder=tmp_path) as process:
         asked = Diagnose.Goal(bag_paths=["long.csv"])
@@ -93,6 +97,24 @@ def test_the_identifier_ends_in_the_middle_of_a_diagnosis_while_many_call(ros: G
         interrupt_twice(process)
         for _ in range(50):
             client.call_async(Trigger.Request())
+        ended(process)
+
+
+def test_who_waits_for_a_diagnosis_is_told_that_the_identifier_ends(ros: Graph, tmp_path: Path) -> None:
+    """One goal is worked on, one waits; a launch that ends left both clients waiting."""
+    long_record(tmp_path / "long.csv")
+    stages: list[str] = []
+    with running(ros, "identifier", bag_folder=tmp_path) as process:
+        asked = Diagnose.Goal(bag_paths=["long.csv"])
+        name = str(process.args).partition("__node:=")[2].partition("'")[0]
+        _, first = ros.goal(Diagnose, f"{name}/diagnose", asked, lambda feedback: stages.append(feedback.stage))
+        until(lambda: stages[-1:] == ["looking at the data"], "the diagnosis to begin", 60.0)
+        _, second = ros.goal(Diagnose, f"{name}/diagnose", asked)
+        os.kill(process.pid, signal.SIGINT)
+        for future in (first, second):
+            until(future.done, "the answer", 20.0)
+            result = future.result().result
+            assert (result.success, result.message) == (False, "stopped: the identifier ends")
         ended(process)
 
 
@@ -119,10 +141,12 @@ def test_the_experimenter_lets_go_and_closes_its_bag(ros: Graph, tmp_path: Path)
     moved: list[float] = []
     with running(ros, "experimenter", bag_folder=tmp_path) as process:
         (name,) = (name for name in ros.node.get_node_names() if name.startswith("experimenter_"))
-        ros.goal(RunExperiment, f"{name}/run", goal, lambda told: moved.append(told.position))
+        _, answer = ros.goal(RunExperiment, f"{name}/run", goal, lambda told: moved.append(told.position))
         until(lambda: moved and abs(moved[-1]) > 1e-3, "the motion")
         os.kill(process.pid, signal.SIGTERM)
+        until(answer.done, "the answer", 20.0)
         output = ended(process)
+    assert not answer.result().result.success and answer.result().result.bag_path == str(tmp_path / "one")
     assert "lack its end" not in output, output
     record = read(tmp_path / "one", SourceOptions())
     assert 5.0 in record.force and record.force[-1] == 0.0 and record.duration < 10.0

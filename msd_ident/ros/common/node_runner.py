@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 import threading
+import time
 import traceback
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
@@ -21,6 +22,10 @@ from msd_ident.ros.common.signals import Signals
 
 #: Rounds of an executor in which what it waits for may be destroyed, one after the other.
 _ROUNDS = 20
+#: Tasks that follow from each other until the end of a piece of work is answered: the goal's, its result's, the answer.
+_FOLLOWS = 5
+#: Longest time for them, and time in which an answer leaves the process [s].
+_PATIENCE, _LEAVES = 3.0, 0.2
 
 
 class NodeOwner(ABC):
@@ -39,6 +44,12 @@ class NodeOwner(ABC):
 
     def on_signal(self, number: int) -> None:  # noqa: B027 - most nodes take no signal but the ending ones
         """Called in the executor for a signal that does not end the node."""
+
+    def release(self) -> bool:
+        """End the work that clients wait for, called before ``close``, while the executor still answers them; whether
+        there was any. Most nodes answer at once.
+        """
+        return False
 
     @abstractmethod
     def close(self) -> bool:
@@ -61,6 +72,16 @@ class Spinner:
         self._ending = threading.Event()
         self._thread = threading.Thread(target=self._spin, name="executor", daemon=True)
         self._thread.start()
+
+    def flush(self) -> None:
+        """Wait until the executor has done what was ready, and what follows from that, and answers have left."""
+        until = time.monotonic() + _PATIENCE
+        for _ in range(_FOLLOWS):
+            done = threading.Event()
+            self.executor.create_task(done.set)
+            if not done.wait(timeout=max(until - time.monotonic(), 0.0)):
+                return
+        time.sleep(_LEAVES)
 
     def stop(self) -> None:
         """End the spinning and wait for its end.
@@ -137,6 +158,8 @@ def run(make: Callable[[], NodeOwner], signals: Signals, args: Sequence[str] | N
             for number in signals.wait():
                 spinner.executor.create_task(owner.on_signal, number)
         finally:
+            if owner.release():
+                spinner.flush()
             spinner.stop()
             ended = owner.close()
             owner.node.destroy_node()

@@ -112,6 +112,11 @@ class Worker:
             self._changed.notify_all()
         return future
 
+    @property
+    def busy(self) -> bool:
+        """Whether a job is in progress, or waits."""
+        return bool(self._jobs) or self._begun != math.inf
+
     def close(self, patience: float = 2.0) -> bool:
         """Drop what waits, stop the job in progress; whether it ended in time."""
         with self._changed:

@@ -48,8 +48,15 @@ class Experimenter(NodeOwner):
         callbacks = {"goal_callback": self._on_goal, "cancel_callback": self._on_cancel}
         self._server = action_server.serve(self.node, RunExperiment, names.RUN, self._execute, **callbacks)
 
+    def release(self) -> bool:
+        """Stop what is played, force 0, and answer who asked for it."""
+        busy = self._worker.busy
+        self._stop.set()
+        self._worker.close(5.0)
+        return busy
+
     def close(self) -> bool:
-        """Stop what is played, force 0."""
+        """The same where nothing spins any more."""
         self._stop.set()
         self.conductor.leave()
         ended = self._worker.close(5.0)

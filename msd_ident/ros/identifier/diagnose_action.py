@@ -108,6 +108,13 @@ class Diagnosing:
             node, Diagnose, names.DIAGNOSE, self._execute, cancel_callback=self._on_cancel
         )
 
+    def release(self) -> None:
+        """Answer all goals that no worker will."""
+        for goal in list(self._goals.values()):
+            goal.settle(_ended())
+        if (executor := self._node.executor) is not None:
+            executor.wake()
+
     def close(self) -> None:
         """Take the server down, when nothing spins any more."""
         self._server.destroy()
@@ -142,7 +149,7 @@ class Diagnosing:
             goal.stop.set()
         try:
             work = self._worker.submit(lambda: goal.settle(self._work(goal)), executor, stop=goal.stop)
-            work.add_done_callback(lambda done: goal.settle(_refused("stopped: the identifier ends", codes.CANCELLED)))
+            work.add_done_callback(lambda done: goal.settle(_ended()))
         except MsdError as error:
             goal.settle(_refused(str(error), codes.BUSY))
         result: Diagnose.Result = await goal.answer
@@ -170,8 +177,7 @@ class Diagnosing:
         try:
             result = self._diagnosed(goal)
         except Cancelled:
-            words = _CANCELLED if goal.stop.is_set() else "stopped: the identifier ends"
-            result = _refused(words, codes.CANCELLED)
+            result = _refused(_CANCELLED, codes.CANCELLED) if goal.stop.is_set() else _ended()
         except MsdError as error:
             result = _refused(str(error), code_of(error))
         except Exception as error:
@@ -240,6 +246,11 @@ class Diagnosing:
         result.diagnoses = [*result.diagnoses, message]
         self._last = _Finding(healthy(one), message)
         self._publisher.publish(message)
+
+
+def _ended() -> Diagnose.Result:
+    """The answer to goals of an identifier that ends."""
+    return _refused("stopped: the identifier ends", codes.CANCELLED)
 
 
 def _refused(reason: str, code: int) -> Diagnose.Result:

@@ -94,6 +94,14 @@ class Identifier(NodeOwner):
         self._monitoring = monitoring.Monitoring(self.node, s)
         self.worker.submit(self._prepare)
 
+    def release(self) -> bool:
+        """Drop fits that wait, stop the one in progress, and answer all who asked for them."""
+        busy = self.worker.busy or self._diagnoses.busy
+        for worker in (self.worker, self._diagnoses):
+            worker.close()
+        self._diagnosing.release()
+        return busy
+
     def close(self) -> bool:
         """Drop fits that wait, stop the one in progress; whether it ended in time."""
         ended = all([self.worker.close(), self._diagnoses.close()])
