@@ -189,12 +189,13 @@ def _late(stream: _Stream, stamps: Stamps, data: FloatArray) -> int:
     what, tick = stream.what, stream.tick
     behind = (np.maximum.accumulate(stamps) - stamps) * tick
     late = np.flatnonzero(behind > 0)
+    repeated = _repeated(stamps, data, late)
     if stream.begin is not None:
-        late = late[~(_from_before(stamps, stream.begin)[late] | _repeated(stamps, data, late))]
-    far = late[behind[late] > LATEST_SECONDS]
-    fresh = [i for i in far[:100] if not np.any((stamps[:i] == stamps[i]) & (data[:i] == data[i]))]
-    if late.size > max(5, stamps.size // 100) or fresh:
-        i = int(late[np.argmax(behind[late] > LATEST_SECONDS)]) if far.size else int(late[0])
+        kept = ~(_from_before(stamps, stream.begin)[late] | repeated)
+        late, repeated = late[kept], repeated[kept]
+    far = behind[late] > LATEST_SECONDS
+    if late.size > max(5, stamps.size // 100) or np.any(far & ~repeated):
+        i = int(late[np.argmax(far)])  # the first one if none is far
         raise DataError(
             f"{what} stamps run backwards: {behind[i]:.3f} s back at sample {i + 1} of {stamps.size} "
             f"({late.size} samples in all); expected rising stamps: {_why_late(stamps)}"
