@@ -39,6 +39,11 @@ class Quantity:
         return math.isfinite(self.value) and math.isfinite(self.std)
 
 
+def two_digits(value: float) -> str:
+    """Two digits of a number, or the whole number where it has more."""
+    return f"{value:.0f}" if value >= 10.0 else f"{value:.2g}"
+
+
 def probability(value: float) -> str:
     """A probability in per cent that never claims certainty."""
     percent = 100.0 * value

@@ -86,6 +86,6 @@ def with_band(quantity: Quantity) -> str:
         return f"{value(quantity)} ({interval(quantity)})"
     half = Z95 * quantity.std
     places = decimals(quantity.value, half)
-    if abs(quantity.value) >= 1e6 or max(abs(quantity.value), half) < 1e-4:
+    if abs(quantity.value) >= 1e6 or _tiny(quantity):
         return f"{number(quantity.value)} ± {number(half, 2)}"
     return f"{quantity.value:.{places}f} ± {half:.{places}f}"

@@ -26,7 +26,7 @@ from msd_ident.estimate.single_tone import common_tone, stiffness_at
 from msd_ident.model import Model
 from msd_ident.model.base_model import DryFriction, Offset
 from msd_ident.model.effects import spoken
-from msd_ident.quantity import Z95, Quantity
+from msd_ident.quantity import Z95, Quantity, two_digits
 from msd_ident.residuals.unexplained import Remainders
 from msd_ident.tuning import fixed
 from msd_ident.workflow import known_parameters
@@ -250,7 +250,7 @@ def _sentence(sprung: bool, held: FitResult, free: FitResult, records: tuple[Rec
         found = (
             f"{fitted} ± {Z95 * stiffness.std:.2g} {stiffness.unit} (95 %)"
             f"{'' if forced else ' for one unit of mass'}{likelier}"
-            f"{f'; it carries {_whole(share)} % of the force' if forced else ''}"
+            f"{f'; it carries {two_digits(share)} % of the force' if forced else ''}"
         )
     change = f"without it the error is {_times(free.see / held.see)}as large"
     if sprung:
@@ -271,10 +271,5 @@ def _likelihood(stiffness: Quantity) -> str:
 
 def _times(ratio: float) -> str:
     """``3.2 times``, with the space that follows; empty where the ratio is printed as 1."""
-    said = _whole(ratio)
+    said = two_digits(ratio)
     return "" if said == "1" else f"{said} times "
-
-
-def _whole(value: float) -> str:
-    """Two digits, or the whole number where it has more."""
-    return f"{value:.0f}" if value >= 10.0 else f"{value:.2g}"

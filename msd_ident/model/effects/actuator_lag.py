@@ -10,6 +10,7 @@ from msd_ident.model.declarations import Parameter, RecordScales
 from msd_ident.model.effects import typical
 from msd_ident.model.effects.base import Effect
 from msd_ident.model.effects.law import LAG
+from msd_ident.quantity import two_digits
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
@@ -77,10 +78,5 @@ class ActuatorLag(Effect):
 def _larger(more: float) -> str:
     """By how much a mass is larger, as a part of it, in words."""
     if more < 1.0:
-        return f"{_digits(100.0 * more)} % larger"
-    return f"{_digits(1.0 + more)} times as large" if more < 99.0 else "many times as large"
-
-
-def _digits(value: float) -> str:
-    """Two digits, or the whole number."""
-    return f"{value:.0f}" if value >= 10.0 else f"{value:.2g}"
+        return f"{two_digits(100.0 * more)} % larger"
+    return f"{two_digits(1.0 + more)} times as large" if more < 99.0 else "many times as large"
