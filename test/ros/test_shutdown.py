@@ -10,6 +10,7 @@ import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -26,6 +27,9 @@ from msd_ident.design import Profile, Segment  # noqa: E402
 from msd_ident.design.profile_file import to_yaml  # noqa: E402
 from msd_ident.io import BagWriter, SourceOptions, open_bag, read  # noqa: E402
 from msd_interfaces.action import Diagnose, RunExperiment  # noqa: E402
+
+#: Asks for the diagnosis of ``diagnosing``.
+LONG = Diagnose.Goal(bag_paths=["long.csv"])
 
 
 @pytest.fixture
@@ -74,22 +78,23 @@ def test_the_identifier_ends_on_two_interrupts(ros: Graph) -> None:
         ended(process)
 
 
-def long_record(path: Path) -> None:
-    """A table that takes a diagnosis many seconds."""
+@contextmanager
+def diagnosing(ros: Graph, folder: Path) -> Iterator[tuple[subprocess.Popen[str], str, Any]]:
+    """An identifier in the middle of a diagnosis that takes many seconds: process, name, future of the result."""
     time = np.arange(60_000) / 300.0
     swing = np.sin(8.0 * time + np.sin(time)) * np.exp(-(time % 3.0))
     table = np.column_stack((time, 10.0 * ((time // 1.5) % 2), 0.01 * swing))
-    np.savetxt(path, table, "%.9g", delimiter=",", header="time_s,force_n,position_m", comments="")
+    np.savetxt(folder / "long.csv", table, "%.9g", delimiter=",", header="time_s,force_n,position_m", comments="")
+    stages: list[str] = []
+    with running(ros, "identifier", bag_folder=folder) as process:
+        name = str(process.args).partition("__node:=")[2].partition("'")[0]
+        _, answer = ros.goal(Diagnose, f"{name}/diagnose", LONG, lambda feedback: stages.append(feedback.stage))
+        until(lambda: stages[-1:] == ["looking at the data"], "the diagnosis to begin", 60.0)
+        yield process, name, answer
 
 
 def test_the_identifier_ends_in_the_middle_of_a_diagnosis_while_many_call(ros: Graph, tmp_path: Path) -> None:
-    long_record(tmp_path / "long.csv")
-    stages: list[str] = []
-    with running(ros, "identifier", bag_folder=tmp_path) as process:
-        asked = Diagnose.Goal(bag_paths=["long.csv"])
-        name = str(process.args).partition("__node:=")[2].partition("'")[0]
-        ros.goal(Diagnose, f"{name}/diagnose", asked, lambda feedback: stages.append(feedback.stage))
-        until(lambda: stages[-1:] == ["looking at the data"], "the diagnosis to begin", 60.0)
+    with diagnosing(ros, tmp_path) as (process, name, _):
         client = ros.node.create_client(Trigger, f"{name}/trigger")
         assert client.wait_for_service(20.0)
         for _ in range(50):
@@ -102,14 +107,8 @@ def test_the_identifier_ends_in_the_middle_of_a_diagnosis_while_many_call(ros: G
 
 def test_who_waits_for_a_diagnosis_is_told_that_the_identifier_ends(ros: Graph, tmp_path: Path) -> None:
     """One goal is worked on, one waits; a launch that ends left both clients waiting."""
-    long_record(tmp_path / "long.csv")
-    stages: list[str] = []
-    with running(ros, "identifier", bag_folder=tmp_path) as process:
-        asked = Diagnose.Goal(bag_paths=["long.csv"])
-        name = str(process.args).partition("__node:=")[2].partition("'")[0]
-        _, first = ros.goal(Diagnose, f"{name}/diagnose", asked, lambda feedback: stages.append(feedback.stage))
-        until(lambda: stages[-1:] == ["looking at the data"], "the diagnosis to begin", 60.0)
-        _, second = ros.goal(Diagnose, f"{name}/diagnose", asked)
+    with diagnosing(ros, tmp_path) as (process, name, first):
+        _, second = ros.goal(Diagnose, f"{name}/diagnose", LONG)
         os.kill(process.pid, signal.SIGINT)
         for future in (first, second):
             until(future.done, "the answer", 20.0)

@@ -55,10 +55,10 @@ class TopicCount:
         if sequence is None:
             return 0
         lost = 0
-        if self._last is not None and self.jumps(sequence):
-            lost = sequence - self._last - 1 if alone else 0
-        elif self._last is not None and sequence <= self._last:
+        if self._last is not None and sequence <= self._last:
             self.restarts += 1
+        elif self._last is not None and alone:
+            lost = sequence - self._last - 1
         self.lost += lost
         self._last = sequence
         return lost
