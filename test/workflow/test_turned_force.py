@@ -6,6 +6,7 @@ import math
 from dataclasses import replace
 
 import numpy as np
+from scipy.integrate import solve_ivp
 
 from msd_ident.data.record import Record, from_samples
 from msd_ident.model import Plant, simulate
@@ -54,4 +55,20 @@ def test_a_force_that_moves_nothing_is_not_turned() -> None:
     swaying = 0.1 * np.sin(1.3 * time) + 0.05 * np.sin(2.9 * time + 1.0) + rng.normal(0.0, 1e-5, time.size)
     record = from_samples(time, force, swaying)
     assert not leaves_far_less([record], [turned(record)], asked=False)
+    assert not leaves_far_less([turned(record)], [record], asked=False)
+
+
+def test_a_mass_whose_interval_holds_zero_is_none_that_the_force_as_it_is_shows() -> None:
+    """A motor on a pendulum that turns a wheel pushes the pendulum the other way."""
+    time, rng = np.arange(0.0, 15.0, 0.01), np.random.default_rng(1)
+    force = np.sin(2.0 * math.pi * (0.1 + 0.95 * time / time[-1]) * time)
+
+    def slope(t: float, state: list[float]) -> list[float]:
+        angle, speed = state
+        pushed = -float(np.interp(t, time, force)) - 0.02 * math.tanh(100.0 * speed)
+        return [speed, (pushed - 5.7 * math.sin(angle) - 0.09 * speed) / 0.48]
+
+    moved = solve_ivp(slope, (0.0, time[-1]), [0.0, 0.0], t_eval=time, max_step=0.01).y[0]
+    record = from_samples(time, force, moved + rng.normal(0.0, 1e-4, time.size))
+    assert leaves_far_less([record], [turned(record)], asked=False)
     assert not leaves_far_less([turned(record)], [record], asked=False)
