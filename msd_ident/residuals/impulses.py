@@ -1,7 +1,8 @@
-"""Pushes that are in no force signal: a bump against the table, or a collision of the cart.
+"""Pushes that are in no force signal, as a bump against the table or a collision; and readings that move alone.
 
-It shows as a short, strong missing force in a record that is otherwise explained. A cause that belongs to the rig acts
-again and again, with every swing; a push comes once or twice.
+A push shows as a short, strong missing force in a record that is otherwise explained. A cause that belongs to the rig
+acts again and again, with every swing; a push comes once or twice. A missing force that pushes as much one way as the
+other leaves the speed as it was: the readings moved, as those of an encoder do that slips.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from msd_ident.data.quality.cleaning import jump_at
 from msd_ident.data.quality.sampling import SHORT_GAP
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate import FitResult
@@ -33,18 +35,22 @@ class Push:
     Attributes:
         time: of its peak [s].
         impulse: of the force [N·s], with the sign of the position.
+        one_way: whether the force pushes one way; else the readings moved, and the speed did not.
     """
 
     time: float
     impulse: float
+    one_way: bool = True
 
 
 def pushes(
     record: Record, model: Model, noise: float, zero: float, residual: FloatArray | None = None
 ) -> tuple[Push, ...]:
-    """Pushes in a record: short, strong missing forces of a model that explains the rest of it; none if there are many,
-    and none beside a stop. What begins or ends with the record is none: the first and the last swing of a model that
-    lacks a law look so, and what pushed the cart before is its initial state.
+    """Pushes in a record, and readings that move alone: short, strong missing forces of a model that explains the rest
+    of it; none if there are many, and none beside a stop.
+
+    What begins or ends with the record is none: the first and the last swing of a model that lacks a law look so, and
+    what pushed the cart before is its initial state.
 
     Args:
         record: the measurement.
@@ -76,15 +82,20 @@ def pushes(
         return ()
     whole = found.force.size
     seen = [span for span in groups if span[0] > 0 and span[1] < whole and _is_seen(record, *span)]
-    return tuple(_push(record.time, found.force, begin, end) for begin, end in seen)
+    return tuple(_push(record.time, found, begin, end) for begin, end in seen)
 
 
 @dataclass(frozen=True)
 class _Unexplained:
-    """Force (n,) that a model lacks [N], with the sign of the position, and the size (n,) beyond which it is a push."""
+    """Force (n,) that a model lacks [N], with the sign of the position, and the size (n,) beyond which it is a push.
+
+    ``exact``: whether it is found from the readings; else a linear plant stands for the model, and it swings after a
+    push.
+    """
 
     force: FloatArray
     limit: FloatArray
+    exact: bool
 
 
 def _unexplained(record: Record, model: Model, noise: float, zero: float, residual: FloatArray | None) -> _Unexplained:
@@ -94,11 +105,12 @@ def _unexplained(record: Record, model: Model, noise: float, zero: float, residu
         friction = friction_force(model) * np.sign(found.velocity)
         force = friction - found.force
         least = 2.0 * float(np.max(np.abs(friction)))
-        return _Unexplained(force, BEYOND_DOUBT * np.maximum(_usual(force), found.std) + least)
+        return _Unexplained(force, BEYOND_DOUBT * np.maximum(_usual(force), found.std) + least, exact=True)
     found = lacking_force(record, residual, plant, noise)
     # A linear plant stands for the model: after a push it errs by a part of it.
     least = MOST_OF**2 * float(np.max(np.abs(found.force)))
-    return _Unexplained(-found.force, np.maximum(BEYOND_DOUBT * np.maximum(_usual(found.force), found.std), least))
+    limit = np.maximum(BEYOND_DOUBT * np.maximum(_usual(found.force), found.std), least)
+    return _Unexplained(-found.force, limit, exact=False)
 
 
 def _is_plain(model: Model) -> bool:
@@ -129,6 +141,15 @@ def sentences(records: Sequence[Record], fitted: FitResult, noise: float) -> tup
     for record, residual, initial in zip(records, fitted.residuals, fitted.initial, strict=True):
         for push in pushes(record, fitted.model, noise, initial.zero, residual):
             where = f" of {record.name}" if len(records) > 1 else ""
+            if not push.one_way:
+                moved = jump_at(record, push.time)
+                said.append(
+                    f"The readings move by about {moved:.2g} {record.position_unit} at {push.time:.3f} s{where} while "
+                    "the speed stays, as no push makes them: the encoder slipped or missed counts, or its scale is "
+                    "uneven there. It makes the parameters wrong: check cable and coupling, or leave this part out "
+                    "with --start or --end."
+                )
+                continue
             size = f"about {push.impulse:.3g} {record.force_unit}·s that are" if sized else "an impulse that is"
             said.append(
                 f"Something pushed the cart at {push.time:.3f} s{where} with {size} in no signal: a bump, a "
@@ -138,8 +159,9 @@ def sentences(records: Sequence[Record], fitted: FitResult, noise: float) -> tup
     return tuple(said)
 
 
-def _push(time: FloatArray, force: FloatArray, begin: int, end: int) -> Push:
+def _push(time: FloatArray, found: _Unexplained, begin: int, end: int) -> Push:
     width = end - begin
     part = slice(max(begin - width, 0), end + width)
-    peak = begin + int(np.argmax(np.abs(force[begin:end])))
-    return Push(float(time[peak]), float(np.trapezoid(force[part], time[part])))
+    peak = begin + int(np.argmax(np.abs(found.force[begin:end])))
+    impulse, both_ways = (float(np.trapezoid(size[part], time[part])) for size in (found.force, np.abs(found.force)))
+    return Push(float(time[peak]), impulse, not found.exact or abs(impulse) > MOST_OF * both_ways)

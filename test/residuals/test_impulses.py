@@ -117,3 +117,15 @@ def test_the_record_is_named_where_there_are_several() -> None:
 def test_what_begins_or_ends_with_the_record_is_no_push(part: tuple[float, float], count: int) -> None:
     """A pendulum that swings far was "pushed at 0.000 s": the linear model misses its first swing most."""
     assert len(pushes(bumped((1.1, 0.3)).window(*part), DEMO, NOISE, 0.0)) == count
+
+
+@pytest.mark.parametrize("size", [3e-3, -1e-2])
+def test_readings_that_move_alone_are_no_push(size: float) -> None:
+    """A potentiometer that moved by 0.02 rad was "pushed by -0.137 N·m·s"."""
+    record = bumped()
+    slipped = replace(record, position=record.position + np.where(record.time > 1.1, size, 0.0))
+    (found,) = pushes(slipped, DEMO, NOISE, 0.0)
+    assert not found.one_way and pushes(bumped((1.1, 0.3)), DEMO, NOISE, 0.0)[0].one_way
+    (said,) = sentences([slipped], fit(DEMO, [slipped], search="near"), NOISE)
+    assert said.startswith(f"The readings move by about {size:.2g} m at 1.1") and " while the speed stays, " in said
+    assert "the encoder slipped or missed counts, or its scale is uneven there" in said

@@ -207,6 +207,13 @@ def _with_force(record: Record, index: int, size: float) -> bool:
     return not alike or abs(float(np.median(alike)) - size / step) < 0.5 * abs(size / step)
 
 
+def jump_at(record: Record, instant: float) -> float:
+    """How far the readings move beside their usual course at an instant [s], within a sample."""
+    here = int(np.searchsorted(record.time, instant))
+    indices = range(max(here - _LONGEST_RUN, 1), min(here + _LONGEST_RUN + 1, record.samples))
+    return max((_size(record, index) for index in indices), key=abs)
+
+
 def _size(record: Record, index: int) -> float:
     """Height of a jump: a parabola through the samples around it, and a step."""
     part = slice(max(index - _SIDE, 0), index + _SIDE)
