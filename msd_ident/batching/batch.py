@@ -52,7 +52,8 @@ class Plan:
         """Where the rows go.
 
         Raises:
-            UsageError: something stands there already.
+            UsageError: something stands there already, or the table cannot be there.
+            SetupError: the disk does not take it.
         """
         if not self.out:
             return None
@@ -61,6 +62,7 @@ class Plan:
         if stands and not (self.resume or self.overwrite):
             of = "an interrupted run: --resume goes on" if stands.endswith(".parts") else "--resume adds to it"
             raise UsageError(f"{stands} exists; expected a new name ({of}, --overwrite begins anew)")
+        found.check_place()
         if self.overwrite and not self.resume:
             found.clear()
         return found

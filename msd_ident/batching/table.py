@@ -12,12 +12,13 @@ import time
 import uuid
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from pathlib import PurePosixPath
+from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Any
 
 from msd_ident.batching.needs import library
 from msd_ident.batching.row import CAUSES, PARAMETERS, PLANT, SCHEMA, Row
 from msd_ident.errors import DataError, SetupError, UsageError
+from msd_ident.writing import writing_to
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -124,6 +125,33 @@ class Store:
             return f"{self.target}.parts"
         return self.target if self._store.exists(self._place) else ""
 
+    def check_place(self) -> None:
+        """Refuse a place on this machine that cannot have the table or its parts, before any work.
+
+        Raises:
+            UsageError: its folder is none, or it is a folder itself.
+            SetupError: the disk does not take the parts.
+        """
+        if "://" in self.target:
+            return
+        place, parts = Path(self._place), Path(self._parts)
+        if place.parent.exists() and not place.parent.is_dir():
+            raise UsageError(f"{place.parent} is no folder; expected one to write the table {place.name} into")
+        if not place.parent.is_dir():
+            raise _no_folder(self.target)
+        if place.is_dir():
+            raise UsageError(f"{self.target} is a folder; expected the name of a table to write")
+        with writing_to(Path(f"{self.target}.parts"), "a writable folder beside the table"):
+            made_now = not parts.exists()
+            parts.mkdir(exist_ok=True)
+            trial = parts / f"{uuid.uuid4().hex[:8]}.tmp"
+            try:
+                trial.touch()
+                trial.unlink()
+            finally:
+                if made_now:
+                    parts.rmdir()
+
     def clear(self) -> None:
         """Forget a run that was cut off."""
         for name in self._names():
@@ -153,7 +181,8 @@ class Store:
     def flush(self) -> None:
         """Write the rows that are kept as a part."""
         if self._rows:
-            self._store.makedirs(self._parts, exist_ok=True)
+            with _disk(self.target):
+                self._store.makedirs(self._parts, exist_ok=True)
             self._write(made(self._rows), f"{self._parts}/{time.time_ns()}-{uuid.uuid4().hex[:8]}.parquet")
             self._rows = []
         self._written = time.monotonic()
@@ -232,8 +261,7 @@ def _disk(target: str) -> Iterator[None]:
     try:
         yield
     except FileNotFoundError:
-        folder = PurePosixPath(target).parent
-        raise UsageError(f"folder {folder} does not exist; expected one to write the table into: make it") from None
+        raise _no_folder(target) from None
     except OSError as error:
         full = error.errno == errno.ENOSPC or "No space left" in str(error)
         cure = "free some space" if full else "make it writable"
@@ -241,6 +269,11 @@ def _disk(target: str) -> Iterator[None]:
             f"cannot write {target}: {_line(error)}; finished records are in {target}.parts: {cure}, and go on "
             "with --resume"
         ) from None
+
+
+def _no_folder(target: str) -> UsageError:
+    folder = PurePosixPath(target).parent
+    return UsageError(f"folder {folder} does not exist; expected one to write the table into: make it")
 
 
 def _line(error: Exception) -> str:

@@ -11,7 +11,7 @@ pa = pytest.importorskip("pyarrow", reason="the extra batch is not installed")
 import pyarrow.parquet as parquet  # noqa: E402
 from batchrigs import row  # noqa: E402
 
-from msd_ident.batching import needs, table  # noqa: E402
+from msd_ident.batching import batch, needs, table  # noqa: E402
 from msd_ident.batching.row import PARAMETERS  # noqa: E402
 from msd_ident.errors import DataError, SetupError, UsageError  # noqa: E402
 
@@ -63,6 +63,35 @@ def test_a_later_row_takes_the_place_of_an_earlier_one() -> None:
 def test_a_folder_that_is_not_there_is_said(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="nowhere does not exist; expected one to write the table into"):
         table.Store(str(tmp_path / "nowhere" / "t.parquet")).finish(table.made([]))
+
+
+@pytest.mark.parametrize(
+    ("out", "says"),
+    [
+        ("nowhere/t.parquet", "nowhere does not exist; expected one to write the table into"),
+        ("ok.csv/t.parquet", "ok.csv is no folder; expected one to write the table t.parquet into"),
+        ("folder.parquet", "folder.parquet is a folder; expected the name of a table to write"),
+        ("taken.parquet", "cannot write .*taken.parquet.parts: File exists; expected a writable folder beside the"),
+        ("/proc/t.parquet", "cannot write /proc/t.parquet.parts: .*; expected a writable folder beside the table"),
+    ],
+)
+def test_a_place_that_cannot_have_a_table_is_refused_before_the_work(out: str, says: str, tmp_path: Path) -> None:
+    (tmp_path / "ok.csv").touch()
+    (tmp_path / "taken.parquet.parts").touch()
+    (tmp_path / "folder.parquet").mkdir()
+    before = sorted(tmp_path.rglob("*"))
+    with pytest.raises((UsageError, SetupError), match=says):
+        batch.Plan(str(tmp_path / out), overwrite=True).store()
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+def test_the_test_of_a_place_leaves_nothing_there(tmp_path: Path) -> None:
+    parts = tmp_path / "kept.parquet.parts"
+    parts.mkdir()
+    (parts / "1.parquet").touch()
+    for name in ("new.parquet", "kept.parquet"):
+        table.Store(str(tmp_path / name)).check_place()
+    assert sorted(path.name for path in tmp_path.rglob("*")) == ["1.parquet", "kept.parquet.parts"]
 
 
 def test_a_missing_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
