@@ -26,7 +26,7 @@ pytestmark = pytest.mark.xdist_group("house")
 #: Rooms of msd_ident, lowest first: a room knows itself and those before it.
 STOREYS = (
     ("errors", "quantity", "seeds", "cancellation", "tuning"),
-    ("paths", "writing", "parallel", "compiled"),
+    ("paths", "writing", "strict_yaml", "parallel", "compiled"),
     ("data",),
     ("model",),
     ("features",),

@@ -23,6 +23,7 @@ ARGUMENTS = {("shell", True), ("allow_pickle", True), ("verify", False)}
 #: Where one is right, with the reason.
 RIGHT = {
     "msd_ident/io/yaml_text.py: yaml.load()": "by the safe loader, the one in C where there is one",
+    "msd_ident/strict_yaml.py: yaml.load()": "by a loader that is derived from the safe one",
     "msd_ident/model/kernel/laws.py: exec()": "joins the laws of the effect library, which is source of this package",
     "msd_ident/model/kernel/laws.py: compile()": "the same",
     "msd_ident/compiled/build.py: exec()": "entries of the functions that the package declares, from their kinds",

@@ -8,10 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import yaml
-
+from msd_ident import strict_yaml
 from msd_ident.design.profile import Profile, is_finite, shown
-from msd_ident.design.profile_file import load
 from msd_ident.errors import DataError, UsageError
 from msd_ident.paths import check_plain
 
@@ -107,12 +105,12 @@ def read_limits(path: Path) -> Limits:
     """
     check_plain(path, "limits in YAML")
     try:
-        tree = load(path.read_text(encoding="utf-8"))
+        tree = strict_yaml.load(path.read_text(encoding="utf-8"))
     except UnicodeDecodeError:
         raise DataError(f"{path} is no text; expected limits in YAML") from None
     except OSError as error:
         raise DataError(f"cannot read {path}: {error.strerror}; expected a limits file: {_EXAMPLE}") from None
-    except yaml.YAMLError as error:
+    except strict_yaml.YAMLError as error:
         raise DataError(f"{path} is no YAML ({' '.join(str(error).split())}); expected {_EXAMPLE}") from None
     try:
         return from_tree(tree)

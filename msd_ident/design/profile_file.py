@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 
+from msd_ident import strict_yaml
 from msd_ident.design.profile import MAY, NEEDS, RATE, Profile, Segment, is_finite, shown
 from msd_ident.errors import DataError, UsageError
 from msd_ident.paths import check_plain
@@ -56,9 +56,7 @@ def to_yaml(profile: Profile, remarks: tuple[str, ...] = ()) -> str:
         remarks: sentences that become comments at the top.
     """
     head = "".join(f"# {line}\n" for remark in remarks for line in textwrap.wrap(remark, 108))
-    return head + str(
-        yaml.safe_dump(to_tree(profile), sort_keys=False, default_flow_style=None, allow_unicode=True, width=110)
-    )
+    return head + strict_yaml.dump(to_tree(profile))
 
 
 def to_tree(profile: Profile) -> dict[str, Any]:
@@ -72,20 +70,6 @@ def to_tree(profile: Profile) -> dict[str, Any]:
     }
 
 
-def load(text: str) -> Any:
-    """Content of a YAML document.
-
-    Raises:
-        YAMLError: it is not YAML; nor is a number of 5000 digits, a date in month 13, or what is nested too deeply.
-    """
-    try:
-        return yaml.safe_load(text)
-    except RecursionError:
-        raise yaml.YAMLError("it is nested too deeply") from None
-    except ValueError as error:
-        raise yaml.YAMLError(str(error)) from None
-
-
 def from_yaml(text: str) -> Profile:
     """The profile that a YAML text describes.
 
@@ -93,8 +77,8 @@ def from_yaml(text: str) -> Profile:
         UsageError: it describes none; the line says which segment and what was expected.
     """
     try:
-        tree = load(text)
-    except yaml.YAMLError as error:
+        tree = strict_yaml.load(text)
+    except strict_yaml.YAMLError as error:
         raise UsageError(f"no YAML ({' '.join(str(error).split())}); expected a profile") from None
     return from_tree(tree)
 

@@ -27,6 +27,8 @@ from msd_ident.errors import DataError, UsageError
         ("force: 1\ntravel: 1\nduration: 1\nspeed: -1\n", "limits: speed is -1; expected more than 0"),
         ("force: 1\ntravel: 1\nduration: 1\nheat: 1\n", "limits: no limit is called 'heat'"),
         ("force: {", "is no YAML"),
+        ("force: 1\ntravel: 1\nduration: 1\nforce: 100\n", "it has the key 'force' twice, in lines 1 and 4"),
+        ("force: 1e400\ntravel: 1\nduration: 1\n", "limits: force is inf; expected a finite number"),
         pytest.param(
             f"force: 1{'0' * 400}\ntravel: 1\nduration: 1\n",
             "limits: force is beyond 1e308; expected a finite number",
@@ -64,6 +66,11 @@ def test_limits_in_a_parameter_file_and_beyond_them() -> None:
         Limits((-1.0, 4.0), (-1.0, 1.0), 60.0).check(ALL)
     with pytest.raises(DataError, match="cannot read nowhere.yaml: No such file"):
         read_limits(Path("nowhere.yaml"))
+
+
+def test_numbers_with_an_exponent(tmp_path: Path) -> None:
+    (tmp_path / "l.yaml").write_text("force: 1e1\ntravel: [-3e-2, 3E-2]\nduration: 2e+1\n")
+    assert read_limits(tmp_path / "l.yaml") == Limits((-10.0, 10.0), (-0.03, 0.03), 20.0)
 
 
 sizes = st.just(0.0) | st.floats(1e-6, 0.1)

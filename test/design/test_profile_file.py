@@ -54,6 +54,7 @@ def test_csv(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "words"),
     [
+        ("rate: 1\nrate: 2\nsegments: []", "no YAML (it has the key 'rate' twice, in lines 1 and 2)"),
         ("segments: 3", "no list of segments; expected 'segments:' with one mapping each"),
         ("segments: []", "a profile without segments; expected at least one"),
         ("segments: [{kind: jump, duration: 1}]", "segment 1 is of kind 'jump'; expected one of step, hold"),

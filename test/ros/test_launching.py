@@ -53,7 +53,7 @@ def test_log_level_is_one_of_ros() -> None:
         given(log_level="loud").word("log_level", LOG_LEVELS)
 
 
-@pytest.mark.parametrize("text", ["mass: 1.0\n", "- 1\n", "", "a: [\n"])
+@pytest.mark.parametrize("text", ["mass: 1.0\n", "- 1\n", "", "a: [\n", "/**: {ros__parameters: {a: 1, a: 2}}\n"])
 def test_parameter_file_must_be_one(tmp_path: Path, text: str) -> None:
     path = tmp_path / "rig.yaml"
     path.write_text(text)

@@ -10,8 +10,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
-import yaml
-
+from msd_ident import strict_yaml
 from msd_ident.errors import UsageError
 
 _TRUE, _FALSE = ("true", "1", "yes", "on"), ("false", "0", "no", "off")
@@ -116,8 +115,8 @@ class Arguments:
         if not path.is_file():
             raise self._refusal(name, "the path of a YAML file", "/path/to/parameters.yaml", "there is no such file")
         try:
-            tree = yaml.safe_load(path.read_text(encoding="utf-8"))
-        except (OSError, ValueError, RecursionError, yaml.YAMLError) as error:
+            tree = strict_yaml.load(path.read_text(encoding="utf-8"))
+        except (OSError, ValueError, strict_yaml.YAMLError) as error:
             raise self._refusal(name, "YAML", "/path/to/parameters.yaml", " ".join(str(error).split())) from None
         blocks = list(_blocks(tree))
         if not blocks:

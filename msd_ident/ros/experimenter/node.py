@@ -7,15 +7,15 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-import yaml
 from rclpy.action import CancelResponse, GoalResponse
 from rclpy.action.server import ServerGoalHandle
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
+from msd_ident import strict_yaml
 from msd_ident.design.limits import Limits, from_tree
 from msd_ident.design.profile import Profile
-from msd_ident.design.profile_file import from_yaml, load
+from msd_ident.design.profile_file import from_yaml
 from msd_ident.errors import MsdError, UsageError
 from msd_ident.ros.common import action_server, codes, names
 from msd_ident.ros.common.codes import code_of
@@ -116,8 +116,8 @@ def parsed(profile: str, limits: str) -> tuple[Profile, Limits]:
         UsageError: either makes no sense.
     """
     try:
-        return from_yaml(profile), from_tree(load(limits))
-    except yaml.YAMLError as error:
+        return from_yaml(profile), from_tree(strict_yaml.load(limits))
+    except strict_yaml.YAMLError as error:
         raise UsageError(
             f"limits are no YAML ({' '.join(str(error).split())}); expected force, travel, duration"
         ) from None

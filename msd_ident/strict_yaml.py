@@ -1,0 +1,55 @@
+"""YAML that a person writes: a key that stands twice is refused, and 3e-2 is a number."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import yaml
+
+YAMLError = yaml.YAMLError
+#: Numbers whose exponent YAML 1.1 takes for text, since they lack a point or the exponent's sign.
+_EXPONENT = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)[eE][-+]?[0-9]+\Z")
+_MERGE = "tag:yaml.org,2002:merge"
+
+
+class _Loader(yaml.SafeLoader):
+    def compose_mapping_node(self, anchor: Any) -> Any:
+        node = super().compose_mapping_node(anchor)
+        lines: dict[tuple[str, str], int] = {}
+        for key, _ in node.value:
+            if not isinstance(key, yaml.ScalarNode) or key.tag == _MERGE:
+                continue
+            line, name = key.start_mark.line + 1, (key.tag, key.value)
+            if name in lines:
+                raise YAMLError(f"it has the key {key.value!r} twice, in lines {lines[name]} and {line}")
+            lines[name] = line
+        return node
+
+
+class _Dumper(yaml.SafeDumper):
+    """Quotes a text that the loader would take for a number."""
+
+
+for _each in (_Loader, _Dumper):
+    _each.add_implicit_resolver("tag:yaml.org,2002:float", _EXPONENT, list("-+.0123456789"))
+
+
+def load(text: str) -> Any:
+    """Content of a document.
+
+    Raises:
+        YAMLError: it is not YAML, or a mapping has a key twice, of which the last one would count without a word; nor
+            is a number of 5000 digits YAML, a date in month 13, or what is nested too deeply.
+    """
+    try:
+        return yaml.load(text, Loader=_Loader)  # noqa: S506 - a safe loader
+    except RecursionError:
+        raise YAMLError("it is nested too deeply") from None
+    except ValueError as error:
+        raise YAMLError(str(error)) from None
+
+
+def dump(data: Any) -> str:
+    """Document with the entries in their own order, lists of numbers in one line."""
+    return str(yaml.dump(data, Dumper=_Dumper, sort_keys=False, default_flow_style=None, allow_unicode=True, width=110))
