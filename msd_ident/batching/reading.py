@@ -20,10 +20,14 @@ def diagnosed(table: Table) -> list[Row]:
     Raises:
         DataError: there is none.
     """
-    rows = [row for row in table.to_pylist() if row["verdict"]]
-    if not rows:
-        raise DataError("no record of the table has a result; expected diagnoses: look at its column error")
-    return rows
+    rows = table.to_pylist()
+    found = [row for row in rows if row["verdict"]]
+    if not found:
+        errors = [row["error"] for row in rows if row["error"]]
+        first = f" ({errors[0]})" if errors else ""
+        others = f"; {len(errors) - 1} others have errors too" if len(errors) > 1 else ""
+        raise DataError(f"no record of the table has a result{first}; expected diagnoses{others}")
+    return found
 
 
 def record_of(row: Row) -> Record:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from msd_ident.cli import options, progress
-from msd_ident.errors import UsageError
+from msd_ident.errors import DataError, UsageError
 
 if TYPE_CHECKING:
     from msd_ident.batching.job import Job
@@ -100,13 +100,17 @@ def read_from(paths: Sequence[str]) -> list[Path]:
     """What the work on a table, or on records, reads on this machine: no result may replace it.
 
     Raises:
-        DataError: a folder or pattern without any record.
+        DataError: a path that leads nowhere, a folder or pattern without any record.
     """
     from msd_ident.batching import locations, table
 
     tables = [path for path in paths if table.is_table(path)]
     others = [path for path in paths if path not in tables and not locations.is_remote(path)]
-    return here([*tables, *(locations.records(others) if others else ())])
+    found = here([*tables, *(locations.records(others) if others else ())])
+    for path in () if tables else found:
+        if not path.exists():
+            raise DataError(f"{path} is not there; expected a record, or a folder or pattern of them: check the path")
+    return found
 
 
 def _pairs(option: str, given: Sequence[str] | None) -> dict[str, str]:

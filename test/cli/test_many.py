@@ -114,6 +114,18 @@ def test_a_watch_of_a_table_keeps_none(lab: Path) -> None:
     assert "--table beside" in found.err and "which is one already; expected records: leave --table away" in found.err
 
 
+@pytest.mark.parametrize("command", ["watch", "compare"])
+def test_a_path_that_leads_nowhere_is_refused_before_anything_is_written(
+    command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    table_of(step(), tmp_path / "a.csv")
+    found = run(command, "a.csv", "nowhere", "--workers", "1")
+    assert (found.code, found.out, found.err.count("\n")) == (2, "", 1)
+    assert "nowhere is not there; expected a record, or a folder or pattern of them" in found.err
+    assert [path.name for path in tmp_path.iterdir()] == ["a.csv"]
+
+
 def test_watch_says_who_changed_and_when(lab: Path, tmp_path: Path) -> None:
     found = run("watch", lab, "--check", "--report", tmp_path / "watch.html", "--json", tmp_path / "watch.json")
     assert found.code == 1

@@ -110,6 +110,13 @@ def test_one_group_is_refused() -> None:
         ([row(1)], "colour", UsageError, "no column colour to compare by; expected one of robot, joint, day"),
         ([row(1), row(2)], "joint", UsageError, "the column joint is empty in all rows"),
         ([row(1, verdict=None, error="broken")], "robot", DataError, "no record of the table has a result"),
+        ([row(1, verdict=None, error="a.csv: empty")], "robot", DataError, "(a.csv: empty); expected diagnoses"),
+        (
+            [row(n, verdict=None, error=f"bad {n}") for n in range(3)],
+            "robot",
+            DataError,
+            "(bad 0); expected diagnoses; 2 others have errors too",
+        ),
         ([row(1), row(2, position_unit="rad", force_unit="N·m")], "robot", UsageError, "expected one pair of units"),
         ([row(1), row(2)], "robot", DataError, "no record of the table can be read any more"),
     ],
