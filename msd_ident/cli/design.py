@@ -53,6 +53,7 @@ def design(
     output: results.Output,
 ) -> int:
     """Design the shortest experiment that decides between tied causes. All paths are records of one rig."""
+    from msd_ident.design import profile_file
     from msd_ident.diagnosis import same_plant
     from msd_ident.io import read_all
     from msd_ident.workflow import pipeline
@@ -63,6 +64,8 @@ def design(
         raise UsageError("--figure with --for; expected it without: it shows what rivals predict, and --for has none")
     output.check(*paths, *filter(None, (limits,)), written=[path for path in (out, figure) if path is not None])
     results.check_targets(output.overwrite, out, figure)
+    if out is not None:
+        profile_file.check_name(out)
     if figure is not None and figure.suffix.lower() not in PICTURES:
         raise UsageError(f"{figure} is no picture's name; expected one that ends in {', '.join(PICTURES)}")
     allowed = options.limits_of(limits)

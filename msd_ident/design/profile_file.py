@@ -17,8 +17,20 @@ from msd_ident.tuning import fixed
 from msd_ident.writing import write_text
 
 SCHEMA = "msd.profile/1"
+#: Endings of a profile's file.
+SUFFIXES = (".yaml", ".yml", ".csv")
 _HEADER = "time_s,force_n"
 _LARGEST_BYTES = fixed(64 * 2**20, "interface", "size of a profile file [bytes], at most")
+
+
+def check_name(path: Path) -> None:
+    """Refuse a name by which no profile would be read.
+
+    Raises:
+        UsageError: it has another ending.
+    """
+    if path.suffix not in SUFFIXES:
+        raise UsageError(f"{path} is no profile's name; expected one that ends in .yaml or .csv")
 
 
 def read_profile(path: Path) -> Profile:
@@ -35,7 +47,7 @@ def read_profile(path: Path) -> Profile:
 
 
 def _text(path: Path) -> str:
-    if path.suffix not in (".yaml", ".yml", ".csv"):
+    if path.suffix not in SUFFIXES:
         raise DataError(f"{path} is no profile; expected a file that ends in .yaml or .csv")
     check_plain(path, "a profile in YAML or CSV")
     try:

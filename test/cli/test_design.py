@@ -14,6 +14,8 @@ from badinputs import run, step, table
         ("--check --figure p.foo", "p.foo is no picture's name; expected one that ends in .png, .svg, .pdf"),
         ("--for mass --figure p.png", "--figure with --for; expected it without: it shows what rivals predict"),
         ("--for mass --check", "--check and --for were given; expected one of the two"),
+        ("--check --out p.txt", "p.txt is no profile's name; expected one that ends in .yaml or .csv"),
+        ("--for mass --out p.YAML", "p.YAML is no profile's name; expected one that ends in .yaml or .csv"),
         ("--check --figure p", "p is no picture's name; expected one that ends in .png, .svg, .pdf"),
     ],
 )
