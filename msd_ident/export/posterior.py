@@ -26,6 +26,8 @@ from msd_ident.workflow.saved_model import SavedModel
 _RARE = 0.005
 #: Draws thrown away for each that is kept, at most, where bounds cut into a distribution.
 _TRIES = 200
+#: Parameter sets, at most: their file has about 100 MB, and they take half a gigabyte of memory while it is written.
+MOST_DRAWS = 1_000_000
 
 
 @dataclass(frozen=True)
@@ -92,11 +94,15 @@ def draw(saved: SavedModel, records: Sequence[Record], count: int) -> Draws:
         count: how many.
 
     Raises:
-        UsageError: no records, or fewer than one draw.
+        UsageError: no records, fewer than one draw, or more than ``MOST_DRAWS``.
         DataError: as ``known``.
     """
     if count < 1:
         raise UsageError(f"{count} draws; expected at least 1, e.g. --draws 1000")
+    if count > MOST_DRAWS:
+        raise UsageError(
+            f"{count} draws; expected at most {MOST_DRAWS}, whose file has about 100 MB: far fewer are enough"
+        )
     if not records:
         raise UsageError(
             "draws need the record, since a result does not hold how parameters go together; expected its path: give "

@@ -376,6 +376,10 @@ def test_a_joint_is_what_its_default_classes_make_it(defaults: str, body: str, o
         robots.joint(tree, path, "cart", "rad")
 
 
+#: More draws than are made.
+MANY = Options(draws=1_000_001)
+
+
 def test_other_refusals(tmp_path: Path) -> None:
     model, record = rig("coulomb_friction")
     robot = tmp_path / "robot.xml"
@@ -393,6 +397,11 @@ def test_other_refusals(tmp_path: Path) -> None:
         (lambda: export(saved(model), target("mujoco"), tmp_path / "a.sdf"), "expected a name that ends in .xml"),
         (lambda: export(saved(model), target("python"), tmp_path / "a-b.py"), "a name that Python can import"),
         (lambda: export(saved(model), target("draws"), tmp_path / "a.csv"), "draws need the record"),
+        (lambda: export(saved(model), target("draws"), tmp_path / "a.csv", Options(draws=0)), "expected at least 1"),
+        (
+            lambda: export(saved(model), target("draws"), tmp_path / "a.csv", MANY),
+            "expected at most 1000000, whose file",
+        ),
         (lambda: export(saved(model), target("mujoco"), tmp_path / "a.xml", Options(mass=1.0)), "has newtons already"),
         (lambda: export(ratios, target("sdf"), tmp_path / "a.sdf", Options(mass=-1.0)), "mass is -1; expected more"),
         (lambda: export(turning, into(robot, "mujoco"), tmp_path / "a.xml", Options("cart")), "a slide, which moves"),
