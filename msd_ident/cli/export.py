@@ -85,6 +85,8 @@ def export(
 
     chosen = exports.chosen(to, into, fragment)
     chosen.check_name(out)
+    if no_replay and replay:
+        raise UsageError(f"--no-replay with --replay {replay[0]}; expected one of the two: leave --no-replay away")
     saved = saved_model(result, line)
     written, read = (out, *chosen.beside(out)), (result, *(replay or ()), *_own(saved, result), *filter(None, (into,)))
     settings = exports.Options(joint, mass, draws, steps)

@@ -138,6 +138,7 @@ def test_a_result_of_several_records_is_replayed_on_all_and_replaces_none(rig: P
             ("--to", "python", "--out", "a.py", "--steps", "5"),
             "--steps with --to python, which has none; expected a MuJoCo",
         ),
+        (("--to", "python", "--out", "a.py", "--replay", "r.csv"), "--no-replay with --replay r.csv; expected one of"),
         (("--to", "mujoco", "--out", "a.xml", "--draws", "5"), "--draws with --to mujoco; expected --to draws: leave"),
     ],
 )
