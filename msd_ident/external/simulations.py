@@ -153,6 +153,8 @@ class FunctionSimulation:
             found = getattr(importlib.import_module(module), function, None)
         except ImportError as error:
             raise UsageError(f"cannot import {module} ({error}); expected a module here or installed") from None
+        except (Exception, SystemExit) as error:
+            raise UsageError(f"importing {module} {_failed(error)}; expected a module that can be imported") from None
         if not callable(found):
             raise UsageError(f"module {module} has no function {function}; expected module:function that it has")
         return found
@@ -166,10 +168,10 @@ class FunctionSimulation:
         try:
             given = function(time, force, initial.position + initial.zero, initial.velocity)
             made = np.asarray(given, dtype=np.float64)
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             raise DataError(
-                f"{self.name} failed on {record.name} with {type(error).__name__} ({error}); expected positions: "
-                "call it with (time, force, position, velocity) by itself"
+                f"{self.name} {_failed(error, f' on {record.name}')}; expected positions: call it with (time, force, "
+                "position, velocity) by itself"
             ) from None
         if made.shape != time.shape:
             raise DataError(f"{self.name} returned shape {made.shape}; expected {time.shape}, a position a sample")
@@ -216,6 +218,13 @@ class TableSimulation:
         """Simulated readings (n,) at the record's samples, in the position unit."""
         del initial
         return np.asarray(np.interp(record.time, self.time, self.position), dtype=np.float64)
+
+
+def _failed(error: BaseException, where: str = "") -> str:
+    """What somebody's code did, as part of a sentence."""
+    if isinstance(error, SystemExit):
+        return f"ended the process{where} (SystemExit {error.code})"
+    return f"failed{where} with {type(error).__name__} ({error})"
 
 
 def _finite(positions: FloatArray, name: str) -> FloatArray:

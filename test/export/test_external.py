@@ -40,6 +40,9 @@ def short(time, force, position, velocity):
 def broken(time, force, position, velocity):
     raise ValueError("no such rig")
 
+def leaving(time, force, position, velocity):
+    raise SystemExit(3)
+
 def wild(time, force, position, velocity):
     return np.full(time.size, np.nan)
 """
@@ -137,6 +140,8 @@ def test_friction_that_only_the_simulation_has(tmp_path: Path) -> None:
 def test_a_python_function(rig: tuple[Model, Record], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "their_rig.py").write_text(FUNCTION)
     monkeypatch.chdir(tmp_path)
+    (tmp_path / "leaving_rig.py").write_text("raise SystemExit('no licence')")
+    (tmp_path / "broken_rig.py").write_text("1 / 0")
     found = compare(FunctionSimulation("their_rig:simulate"), (rig[1],))
     kinds = {one.name: one for one in found.differences}
     assert kinds["coulomb_friction"].kind == "lacks"
@@ -144,6 +149,7 @@ def test_a_python_function(rig: tuple[Model, Record], tmp_path: Path, monkeypatc
     for name, words in (
         ("short", r"returned shape \(3,\); expected \(3001,\)"),
         ("broken", r"failed on rig with ValueError \(no such rig\)"),
+        ("leaving", r"leaving ended the process on rig \(SystemExit 3\); expected positions"),
         ("wild", "blows up; expected positions that stay finite"),
     ):
         with pytest.raises(DataError, match=words):
@@ -152,6 +158,8 @@ def test_a_python_function(rig: tuple[Model, Record], tmp_path: Path, monkeypatc
         ("their_rig", "expected module:function"),
         ("their_rig:none", "has no function none"),
         ("no_such_rig:f", "cannot import no_such_rig"),
+        ("leaving_rig:f", r"importing leaving_rig ended the process \(SystemExit no licence\); expected a module"),
+        ("broken_rig:f", r"importing broken_rig failed with ZeroDivisionError \(division by zero\); expected a module"),
     ):
         with pytest.raises(UsageError, match=words):
             FunctionSimulation(text).check(rig[1])
