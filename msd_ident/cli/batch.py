@@ -76,14 +76,18 @@ def batch(
 
 
 def _run(paths: Sequence[str], job: Job, plan: Plan, output: results.Output, batching: many_records.Batching) -> int:
-    """Run the batch and say how it went; exit code 0, whatever single records are like."""
+    """Run the batch and say how it went; exit code 0, whatever single records are like, or 130 after Ctrl-C."""
     from msd_ident.batching import batch as batches
 
-    with (
-        batches.linked(batching.scheduler, batching.workers) as link,
-        progress.records(link.client.dashboard_link, output.quiet) as tell,
-    ):
-        table, this = batches.run(paths, job, link, replace(plan, progress=tell))
+    try:
+        with (
+            batches.linked(batching.scheduler, batching.workers) as link,
+            progress.records(link.client.dashboard_link, output.quiet) as tell,
+        ):
+            table, this = batches.run(paths, job, link, replace(plan, progress=tell))
+    except KeyboardInterrupt:
+        print(f"msd: interrupted; {_kept(plan.out)}", file=sys.stderr)
+        return 130
     failed = sum(error is not None for error in table.column("error").to_pylist())
     if not output.quiet:
         print(f"{plan.out}: {table.num_rows} rows, {failed} with an error, {this.reused} records done before")
@@ -94,6 +98,16 @@ def _run(paths: Sequence[str], job: Job, plan: Plan, output: results.Output, bat
         if not output.quiet:
             print(f"report: {output.report}")
     return 0
+
+
+def _kept(out: str) -> str:
+    """What an interrupted batch leaves, and how to go on with it."""
+    from msd_ident.batching.table import Store
+
+    stands = Store(out).stands()
+    if not stands.endswith(".parts"):
+        return "no record was finished"
+    return f"finished records are in {stands}: go on with --resume"
 
 
 def _draw(found: Any, path: str, target: Path) -> None:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -13,7 +15,7 @@ from badinputs import run, step  # noqa: E402
 from badinputs import table as table_of  # noqa: E402
 from batchrigs import row  # noqa: E402
 
-from msd_ident.batching import cluster, table  # noqa: E402
+from msd_ident.batching import batch, cluster, table  # noqa: E402
 
 
 @pytest.fixture
@@ -106,6 +108,30 @@ def test_the_table_of_a_watch_may_be_watched_again(lab: Path, monkeypatch: pytes
     monkeypatch.chdir(lab.parent)
     lab.rename("msd_watch.parquet")
     assert run("watch", "msd_watch.parquet", "--json", "w.json", "--quiet").code == 0
+
+
+@pytest.mark.parametrize(
+    ("finished", "says"),
+    [
+        (1, "finished records are in t.parquet.parts: go on with --resume"),
+        (0, "no record was finished"),
+    ],
+)
+def test_an_interrupted_batch_says_how_to_go_on(
+    finished: int, says: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(paths: object, job: object, link: object, plan: batch.Plan) -> None:
+        store = table.Store(plan.out)
+        store.add([row(n) for n in range(finished)])
+        store.flush()
+        raise KeyboardInterrupt
+
+    link = SimpleNamespace(client=SimpleNamespace(dashboard_link=""))
+    monkeypatch.setattr(batch, "linked", lambda *_: contextlib.nullcontext(link))
+    monkeypatch.setattr(batch, "run", interrupted)
+    monkeypatch.chdir(tmp_path)
+    found = run("batch", "a.csv", "--out", "t.parquet")
+    assert (found.code, found.out, found.err) == (130, "", f"msd: interrupted; {says}\n")
 
 
 def test_a_watch_of_a_table_keeps_none(lab: Path) -> None:
