@@ -34,6 +34,8 @@ from msd_ident.workflow.identification import quantities_dict
 SCHEMA = "msd.external/1"
 #: Noise floors that the rig's structure may leave of a simulation; more, and the simulation is diagnosed too.
 _ALIKE = 1.3
+#: Part of the largest reading by which positions differ from their copy, at most.
+_ROUNDING = 1e-12
 
 
 @dataclass(frozen=True)
@@ -65,14 +67,25 @@ class Comparison:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Those of the diagnosis, and one if the fitted model does not explain the simulation."""
+        """Those of the diagnosis, one if the simulation is the measurement itself, and one if the fitted model does not
+        explain the simulation.
+        """
+        found = (*self._copied(), *self.diagnosis.warnings)
         left = self.theirs.see / self.diagnosis.noise_floor if self.diagnosis.noise_floor > 0.0 else 0.0
         if left <= _ALIKE:
-            return self.diagnosis.warnings
+            return found
         return (
-            *self.diagnosis.warnings,
+            *found,
             f"the model fitted to the simulated positions leaves {left:.3g} noise floors of them: the simulation has "
             "laws that it does not describe, and the corrections are only those of the nearest model.",
+        )
+
+    def _copied(self) -> tuple[str, ...]:
+        return tuple(
+            f"the simulation {self.simulation} equals the measured readings of {record.name} in every sample, with "
+            "their noise: it is probably the same file. Give the positions that your simulation made."
+            for record, left in zip(self.records, self.residuals, strict=True)
+            if float(np.max(np.abs(left))) <= _ROUNDING * float(np.max(np.abs(record.position)))
         )
 
     @property

@@ -106,6 +106,17 @@ def test_a_simulation_that_no_model_explains(rig: tuple[Model, Record], asking_a
     found = compare(TableSimulation("theirs.csv", record.time, rough), (record,))
     assert "the corrections are only those of the nearest model" in found.warnings[-1]
     assert found.to_json_dict()["warnings"][-1] == found.warnings[-1]
+    assert not any("the same file" in warning for warning in found.warnings)
+
+
+def test_the_record_itself_is_no_simulation(rig: tuple[Model, Record], asking_about: Callable[..., None]) -> None:
+    asking_about("coulomb_friction", "quadratic_drag", "cubic_spring")
+    _, record = rig
+    found = compare(TableSimulation("copy.csv", record.time, record.position), (record,))
+    assert found.warnings[0].startswith(
+        f"the simulation copy.csv equals the measured readings of {record.name} in every sample, with their noise: it "
+        "is probably the same file"
+    )
 
 
 @pytest.mark.xdist_group("comparison")
