@@ -15,7 +15,7 @@ from msd_ident.errors import DataError, UsageError
 from msd_ident.model import Model, Plant
 from msd_ident.model.effects import LIBRARY, by_name
 from msd_ident.quantity import Quantity
-from msd_ident.workflow import saved_parameters
+from msd_ident.workflow import saved_parameters, saved_shape
 from msd_ident.workflow.known_parameters import LARGEST
 
 #: Schema → key of the model that the result ends with.
@@ -103,7 +103,8 @@ def load_all(path: str | os.PathLike[str]) -> tuple[SavedModel, ...]:
         raise DataError(f"cannot read {path}: {why}; expected a result that --json wrote") from None
     found = tuple(from_json_dict(one, str(path)) for one in _objects(text, str(path)))
     if not found:
-        raise DataError(f"{path} is empty; expected a result that msd identify or msd diagnose wrote with --json")
+        what = "holds an empty list" if text.strip() else "is empty"
+        raise DataError(f"{path} {what}; expected a result that msd identify or msd diagnose wrote with --json")
     return found
 
 
@@ -122,6 +123,7 @@ def from_json_dict(result: Mapping[str, Any], name: str = "the result") -> Saved
     if schema not in SCHEMAS:
         raise DataError(f"{name} {_what(result, schema)}; expected {' or '.join(SCHEMAS)}: {_next(schema)}")
     try:
+        saved_shape.check(result, SCHEMAS[schema])
         told = result[SCHEMAS[schema]]
         parameters = {key: _quantity(key, value) for key, value in told["parameters"].items()}
         causes = tuple(str(cause["name"]) for cause in result.get("causes", ()))
