@@ -357,6 +357,24 @@ def test_no_excitation_is_an_error() -> None:
     assert "the force changes by 0.5 N" in finding.sentence
 
 
+def test_swapped_columns_are_asked_about() -> None:
+    found = simulate({"rig": "ecp", "experiment": {"name": "steps", "force": 8.0, "fraction": 1.0}})
+    record = Record(found.time, found.position, found.force_time, found.force, found.hold)
+    (finding,) = check(from_samples(record.time, record.position, record.force_at(record.time)))
+    assert (finding.severity, finding.code) == ("error", "no_motion")
+    assert "the position jumps within 16 m and stays where it is in between" in finding.sentence
+    assert "are the two swapped? Name them with --force and --position" in finding.sentence
+    assert "noise" not in finding.sentence
+
+
+def test_an_encoder_that_flickers_under_a_smooth_force_is_not_called_swapped() -> None:
+    record = experiment("sweep", "ecp")
+    force = record.force_at(record.time)
+    still = np.where(force > 0.9 * force.max(), STEP, 0.0)
+    (finding,) = check(from_samples(record.time, force, still))
+    assert "which is noise: push harder, or check the encoder" in finding.sentence
+
+
 def test_a_free_decay_is_told() -> None:
     (finding,) = check(experiment("release"))
     assert (finding.severity, finding.code) == ("info", "free_decay")

@@ -16,6 +16,8 @@ from msd_ident.data.record import FloatArray, Record
 _TONE_OF_FORCE, _TONE_OF_MOTION = 0.9, 0.97
 #: Fewest periods of a tone, and lines of the spectrum on either side of it that a window of Hann spreads it over.
 _PERIODS, _SPREAD = 2, 2
+#: Part of the samples at which a force in steps changes, at most.
+_JUMPS = 0.02
 
 
 def excitation(record: Record, motion: Motion) -> Iterator[Finding]:
@@ -41,6 +43,13 @@ def excitation(record: Record, motion: Motion) -> Iterator[Finding]:
             f"the force never changes and the position only by {motion.span:.3g} {unit}, which is noise: "
             "apply a force step or release the cart from a displacement",
         )
+    elif motion.still and _swapped(record, motion):
+        yield error(
+            "no_motion",
+            f"the position jumps within {motion.span:.3g} {unit} and stays where it is in between, as a force in steps "
+            f"does, and the force runs smoothly over {motion.force_span:.3g} {record.force_unit}, as a position does: "
+            "are the two swapped? Name them with --force and --position",
+        )
     elif motion.still:
         yield error(
             "no_motion",
@@ -59,6 +68,16 @@ def excitation(record: Record, motion: Motion) -> Iterator[Finding]:
             f"force and motion are a single tone of {tone:.3g} Hz: this record alone shows k - m·omega² and b, and "
             "what tells m from k in it may be noise: add records at other frequencies, a sweep or steps",
         )
+
+
+def _swapped(record: Record, motion: Motion) -> bool:
+    """Whether the position of a cart that seems to stand looks like a force in steps, and the force like a motion."""
+    if not record.shared_clock or motion.span <= motion.force_span:
+        return False
+    jumps, changes = np.diff(record.position), np.diff(record.force)
+    steady = np.count_nonzero(jumps) <= _JUMPS * jumps.size
+    moves = np.count_nonzero(changes) >= 10 * np.count_nonzero(jumps)
+    return bool(steady and moves and np.max(np.abs(changes)) < motion.force_span / 5.0)
 
 
 def single_tone(record: Record) -> float:
