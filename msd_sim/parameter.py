@@ -33,11 +33,14 @@ class RigParameter:
         if isinstance(value, bool) or not isinstance(value, int | float) or math.isnan(value):
             raise RigError(f"{owner} {self.name} is {value!r}; expected a number [{self.unit or '-'}]: {self.meaning}")
         if not self.lower <= value <= self.upper:
-            raise RigError(f"{owner} {self.name} is {value:g} {self.unit}; expected {self._range()}: {self.meaning}")
+            raise RigError(
+                f"{owner} {self.name} is {value:g} {self.unit}; expected {self._range(float(value))}: {self.meaning}"
+            )
         return float(value)
 
-    def _range(self) -> str:
-        if self.upper >= ANY:
+    def _range(self, value: float) -> str:
+        """The range that a value is out of; a bound that stands for none is told only where the value is beyond it."""
+        if self.upper >= ANY and not ANY < abs(value) < math.inf:
             return f"{self.lower:g} or more" if self.lower > -ANY else "a finite number"
         return f"{self.lower:g} to {self.upper:g}"
 

@@ -78,6 +78,8 @@ def test_time_of_ones_own_from_another_start():
 NONSENSE = [
     ({"mass": 0.0}, "rig mass is 0 kg; expected 1e-09 or more: moving mass"),
     ({"mass": "heavy"}, "rig mass is 'heavy'; expected a number [kg]: moving mass"),
+    ({"stiffness": 1e15}, "rig stiffness is 1e+15 N/m; expected 0 to 1e+12: spring stiffness"),
+    ({"stiffness": -1e15}, "rig stiffness is -1e+15 N/m; expected 0 to 1e+12: spring stiffness"),
     ({"damping": -1.0}, "rig damping is -1 N s/m; expected 0 or more: viscous damping"),
     ({"stifness": 3.0}, "a rig has no parameter 'stifness'; expected one of mass,"),
     ({"effects": {"rubber": {}}}, "no effect 'rubber'; expected one of coulomb_friction,"),
