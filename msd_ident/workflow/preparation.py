@@ -10,6 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from msd_ident.data import quality
+from msd_ident.data.duplicates import without_duplicates
 from msd_ident.data.quality import Examined, Finding
 from msd_ident.data.quality.finding import Severity
 from msd_ident.data.record import Record
@@ -33,7 +34,7 @@ class Prepared:
     """Records as models are fitted to them, and what was found out on the way.
 
     Attributes:
-        given: as they came.
+        given: as they came, without duplicates and without those in which nothing happens.
         records: without readings that no motion makes, from the release on, the force turned where K is negative. Rest
             after the motion is a part of it.
         rest_before: for each of ``records`` the rest before a hand pulled the cart, which is left out there with the
@@ -87,7 +88,8 @@ def prepare(records: Sequence[Record]) -> Prepared:
         UsageError: no records, or records in different units.
     """
     _refuse_units(records)
-    examined, idle = _examined(records)
+    several, duplicates = without_duplicates(records)
+    examined, idle = _examined(several)
     given, findings = tuple(one.given for one in examined), tuple(each for one in examined for each in one.findings)
     _refuse(findings)
     understood = tuple(_understood(one.record) for one in examined)
@@ -97,7 +99,10 @@ def prepare(records: Sequence[Record]) -> Prepared:
     usable = tuple(_usable(one, turned) for one in understood)
     records, holds = _held(usable)
     warnings = (
-        idle + _warnings(given, findings, features, turned) + tuple(one.remark for one in understood if one.remark)
+        duplicates
+        + idle
+        + _warnings(given, findings, features, turned)
+        + tuple(one.remark for one in understood if one.remark)
     )
     warnings += tuple(finding.sentence for finding in holds if finding.severity == "warning")
     rests = tuple(_rest_before(one, used, form) for one, used in zip(understood, records, strict=True))

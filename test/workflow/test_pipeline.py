@@ -102,7 +102,9 @@ def test_negative_gain_gives_the_same_plant_and_a_warning() -> None:
 
 
 def test_two_records_together_tighten_the_intervals() -> None:
-    records = [record_of({"rig": "ecp", "experiment": "paper", "seed": seed}, f"run {seed}") for seed in (1, 2)]
+    # Without noise they would be one record twice.
+    noisy = {"rig": "ecp", "experiment": "paper", "encoder": {"noise": 2e-6}}
+    records = [record_of({**noisy, "seed": seed}, f"run {seed}") for seed in (1, 2)]
     alone, together = identify(records[:1]), identify(records)
     assert together.refined.parameters["mass"].std < alone.refined.parameters["mass"].std
     assert together.paper_refined is None and math.isnan(together.paper_see_reduction_percent)

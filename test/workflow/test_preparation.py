@@ -54,6 +54,16 @@ def test_an_encoder_that_counts_the_other_way_is_still_seen() -> None:
     assert any("A positive force moves the encoder downwards" in sentence for sentence in found.warnings)
 
 
+def test_the_same_record_twice_makes_no_interval_narrower() -> None:
+    one = replace(random_binary(5), name="a.csv")
+    again = replace(one, time=one.time + 40.0, force_time=one.force_time + 40.0, name="b.csv")
+    found = prepare([one, again, random_binary(96)])
+    assert [record.name for record in found.given] == ["a.csv", "record"]
+    assert found.warnings[0].startswith("b.csv is left out: its positions and its force are those of a.csv, sample by")
+    alone, both = (pipeline.identify(records).refined for records in ([one], [one, again]))
+    assert both.parameters["mass"].std == alone.parameters["mass"].std
+
+
 def two_tones(stiffness: float) -> Record:
     """A rig under two sines of 4 N, at 200 Hz for 10 s, from its steady motion."""
     rng = np.random.default_rng(2)
