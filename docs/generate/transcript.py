@@ -52,16 +52,16 @@ def steps(page: str) -> list[Step]:
 
 
 def run(command: str) -> str:
-    """What a command prints to standard output: ``msd`` runs in this process, ``cat`` shows JSON with indents.
+    """What a command prints to standard output; ``msd``, and ``python3 -m json.tool``, run in this process.
 
     Raises:
         RuntimeError: another exit code than 0, or a command that is neither.
     """
     words = shlex.split(command)
-    if words[0] == "cat":
-        return json.dumps(json.loads(Path(words[1]).read_text(encoding="utf-8")), indent=1, ensure_ascii=False)
+    if words[:3] == ["python3", "-m", "json.tool"]:
+        return json.dumps(json.loads(Path(words[3]).read_text(encoding="utf-8")), indent=4)
     if words[0] != "msd":
-        raise RuntimeError(f"{words[0]} is no command of a page; expected msd or cat")
+        raise RuntimeError(f"{words[0]} is no command of a page; expected msd or python3 -m json.tool")
     from msd_ident.cli.main import main
 
     out = io.StringIO()

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import json
+import shlex
+import subprocess
+import sys
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cache
@@ -59,6 +62,19 @@ def lesson(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Lesson]:
 def test_commands_print_what_the_page_says(lesson: Lesson, number: int) -> None:
     wrong = list(transcript.differences(STEPS[number].output, lesson.printed[number]))
     assert not wrong, f"{STEPS[number].command}: `make docs-output` writes the page anew\n" + "\n".join(wrong)
+
+
+def test_a_file_is_shown_as_the_real_command_shows_it(lesson: Lesson, tmp_path: Path) -> None:
+    shown = [step.command for step in STEPS if not step.command.startswith("msd ")]
+    assert shown
+    for command in shown:
+        program, *rest = shlex.split(command)
+        told = json.dumps(lesson.objects[Path(rest[-1]).stem], ensure_ascii=False)
+        (tmp_path / rest[-1]).write_text(f"{told}\n", encoding="utf-8")
+        real = [sys.executable if program == "python3" else program, *rest]
+        done = subprocess.run(real, cwd=tmp_path, capture_output=True, text=True, check=True)
+        with transcript.inside(tmp_path):
+            assert transcript.run(command) == done.stdout.rstrip("\n")
 
 
 def test_the_hidden_effect_is_named(lesson: Lesson) -> None:
