@@ -201,9 +201,9 @@ def _unmoved_sentence(problem: Problem, found: Sequence[identifiability.OpenDire
         return ()
     return (
         "The force of this record explains none of its motion, so no parameter with a unit of force is known: a hand "
-        "or a position controller moves the cart, or a controller holds an unstable plant, which no simulation from "
-        "the first sample follows. Cut the record to a stretch that the force moves (--start, --end), or use "
-        "--force none after a release.",
+        "or a position controller moves the cart, or the encoder is inverted (try a negative --position-scale), or a "
+        "controller holds an unstable plant, which no simulation from the first sample follows. Cut the record to a "
+        "stretch that the force moves (--start, --end), or use --force none after a release.",
     )
 
 
