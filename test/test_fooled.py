@@ -210,6 +210,21 @@ def test_a_cart_that_runs_through_its_first_lines_does_not_rest_under_the_first_
     assert quality.begins_pushed(running) and not quality.rests_under_force(running)
 
 
+def test_a_force_that_changes_from_the_first_line_on_holds_no_level_to_rest_under() -> None:
+    """A cart that a sweep moves by 42 µm in the first 16 ms "is at rest under" the force of the first line."""
+    time = 0.004 * np.arange(2000)
+    swept = sum(np.cos(2.0 * np.pi * f * time + 0.2) for f in (0.3, 0.9, 1.7, 2.9, 4.1))
+    force = -5.5 * swept / swept[0]
+    rig = ([1.0], np.polymul([0.04, 1.0], [2.3, 6.0, 420.0]))
+    noise = np.random.default_rng(3).normal(0.0, 3e-6, time.size)
+    begun = from_samples(time, force, lsim(rig, force, time)[1] + noise)
+    assert quality.begins_pushed(begun) and not quality.rests_under_force(begun)
+    # The same force that first stood still for a second, under a cart at rest.
+    force = np.concatenate((np.full(250, force[0]), force[:-250]))
+    rested = from_samples(time, force, force[0] / 420.0 + lsim(rig, force - force[0], time)[1] + noise)
+    assert quality.begins_pushed(rested) and quality.rests_under_force(rested)
+
+
 @pytest.mark.parametrize("force", [5.0, -3.0])
 def test_a_release_under_a_constant_force_is_no_step(force: float) -> None:
     displaced = float(np.sign(force)) * 0.03

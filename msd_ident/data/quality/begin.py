@@ -24,6 +24,8 @@ _CHANGE = 0.05
 _RESTS, _CREEPS = 0.25, 0.02
 #: Readings of a cart at rest stay within this many noise floors, and one encoder step, of their median.
 _STILL = 5.0
+#: Part of the change of the force that comes in the first half of the time to it, where the force holds a level first.
+_SLOPE = 0.2
 
 
 def begins_pushed(record: Record) -> bool:
@@ -58,13 +60,27 @@ def rests_under_force(record: Record) -> bool:
     noise = noise_of(record)
     stays = left < max(_STILL * noise.floor + noise.step, _CREEPS * float(np.ptp(record.position)))
     rests = float(np.ptp(held)) / abs(first) < _RESTS * float(np.ptp(after)) / max(height, _CHANGE * span)
+    if not _is_level(record, change, first) and _moves(held, noise):
+        return False
     return stays and rests and not (_passes(held, after, noise) or _follows(record, change, jump))
+
+
+def _is_level(record: Record, change: float, first: float) -> bool:
+    """Whether most of a change of the force up to a time [s] comes in the later half of the time before it: a force
+    that changes all the time holds no level under which a cart could be seen to rest.
+    """
+    start = float(record.time[0])
+    half_way, end = record.force_at([0.5 * (start + change), change])
+    return bool(abs(half_way - first) < _SLOPE * abs(end - first))
+
+
+def _moves(held: FloatArray, noise: Noise) -> bool:
+    return float(np.ptp(held)) > 2.0 * _STILL * noise.floor + noise.step
 
 
 def _passes(held: FloatArray, after: FloatArray, noise: Noise) -> bool:
     """Whether a cart moved before a change of the force, at least half as far as in the same time after it."""
-    moves = float(np.ptp(held)) > 2.0 * _STILL * noise.floor + noise.step
-    return moves and float(np.ptp(held)) > 0.5 * float(np.ptp(after))
+    return _moves(held, noise) and float(np.ptp(held)) > 0.5 * float(np.ptp(after))
 
 
 def _follows(record: Record, change: float, jump: float) -> bool:

@@ -42,6 +42,7 @@ class ActuatorLag(Effect):
     neutral = (("lag_time", 0.0),)
     piecewise_linear = True
     structure = LAG
+    or_else = "a low-pass filter of the readings"
     measured_by = "read the force with a load cell while the cart is held"
 
     def same_as(self, model: Model) -> str:
