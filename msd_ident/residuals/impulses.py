@@ -146,8 +146,8 @@ def sentences(records: Sequence[Record], fitted: FitResult, noise: float) -> tup
                 said.append(
                     f"The readings move by about {moved:.2g} {record.position_unit} at {push.time:.3f} s{where} while "
                     "the speed stays, as no push makes them: the encoder slipped or missed counts, or its scale is "
-                    "uneven there. It makes the parameters wrong: check cable and coupling, or leave this part out "
-                    "with --start or --end."
+                    "uneven there, or samples were lost that the stamps do not show. It makes the parameters wrong: "
+                    "check cable and coupling, or leave this part out with --start or --end."
                 )
                 continue
             size = f"about {push.impulse:.3g} {record.force_unit}·s that are" if sized else "an impulse that is"

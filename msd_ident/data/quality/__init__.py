@@ -23,6 +23,7 @@ from msd_ident.data.quality.gaps import continuous, left_out
 from msd_ident.data.quality.relation import relation
 from msd_ident.data.quality.repeats import repeated, without_repeats
 from msd_ident.data.quality.sampling import missing_in, missing_samples, sampling
+from msd_ident.data.quality.skips import lost_time
 from msd_ident.data.quality.units import angle_unit, time_unit, units, wrapped
 from msd_ident.data.record import Record
 
@@ -51,6 +52,7 @@ CHECKS: tuple[Check, ...] = (
     resolution,
     rate,
     clocks,
+    lost_time,
     feedback,
     units,
     angle_unit,

@@ -156,29 +156,54 @@ def _usual(steps: FloatArray, share: float) -> FloatArray:
     return typical[index]
 
 
-def _jumps(record: Record) -> tuple[Jump, ...]:
-    """Where the readings go on from another place with the same speed."""
+@dataclass(frozen=True)
+class Sudden:
+    """Places where the readings go on from another place with the same speed.
+
+    Attributes:
+        index: (q,) of the reading behind each.
+        size: (q,) step there beyond the usual one.
+        usual: (q,) mean step of the readings beside it.
+        least: size below which noise may do it.
+    """
+
+    index: npt.NDArray[np.intp]
+    size: FloatArray
+    usual: FloatArray
+    least: float
+
+
+def sudden(record: Record) -> Sudden:
+    """Steps far beyond those around them, which do not change the speed."""
     position, reach = record.position, 3
     if position.size < 4 * _SIDE:
-        return ()
+        return Sudden(np.zeros(0, dtype=np.intp), np.zeros(0), np.zeros(0), 0.0)
     steps = np.diff(position)
     kernel = np.full(reach, 1.0 / reach)
     mean = np.convolve(steps, kernel, mode="valid")  # of steps i to i + reach - 1
     before, after = mean[: -reach - 1], mean[reach + 1 :]
     inner = steps[reach : steps.size - reach]
-    off, change = inner - 0.5 * (before + after), np.abs(after - before)
+    beside = 0.5 * (before + after)
+    off, change = inner - beside, np.abs(after - before)
     noise = noise_of(record)
     shaking = max(noise.floor, noise.step / 2)
     least = _JUMP_NOISE * shaking
     usual = _usual(np.abs(off), 0.5)[:-1]  # a jump is seen in seven of twenty
     # An encoder that was stuck and comes back to where the cart is stood still before and moves on after.
     stuck = np.abs(before) + 3.0 * shaking < np.abs(after)
-    sudden = (np.abs(off) > np.maximum(_JUMP_STEPS * usual, least)) & (change < 0.3 * np.abs(off))
+    found = (np.abs(off) > np.maximum(_JUMP_STEPS * usual, least)) & (change < 0.3 * np.abs(off))
     interval = np.diff(record.time)[reach : steps.size - reach]
-    candidates = np.flatnonzero(sudden & ~((before == 0.0) & stuck) & (interval < 2.5 * record.period))
-    found = [int(i) + reach + 1 for i in candidates]
-    if len(found) > _MOST_JUMPS:
+    chosen = np.flatnonzero(found & ~((before == 0.0) & stuck) & (interval < 2.5 * record.period))
+    return Sudden(chosen + reach + 1, off[chosen], beside[chosen], least)
+
+
+def _jumps(record: Record) -> tuple[Jump, ...]:
+    """Jumps of the zero: there are few of them."""
+    places = sudden(record)
+    found = [int(i) for i in places.index]
+    if not 0 < len(found) <= _MOST_JUMPS:
         return ()
+    steps, reach, least = np.diff(record.position), 3, places.least
     # The force may do the same to a cart that is read seldom: its steps show what acceleration can do elsewhere.
     bends = np.abs(np.diff(steps))
     for index in found:
