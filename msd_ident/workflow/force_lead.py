@@ -20,6 +20,7 @@ from msd_ident.model.effects.law import DELAY
 from msd_ident.quantity import Z95
 from msd_ident.tuning import tuned
 from msd_ident.workflow.force_hold import may_lead
+from msd_ident.workflow.law_error import widened
 
 #: Of a lead that no diagnosis named.
 _CLEAR = tuned(4.0, unit="1", why="standard deviations from which a lead of the force counts", chosen="by hand")
@@ -47,10 +48,11 @@ def found(fitted: FitResult, records: Sequence[Record]) -> float:
     if not named:
         kept = frozenset(fitted.model.names) - frozenset(fitted.free)
         timed = fitted.model + delay.within_bounds(0.0)
-        fitted = fit(timed, records, fixed=kept, search="near", initial=fitted.initial)
+        # Beside the error of a law, a lead may stand for a part of it.
+        fitted = widened(fit(timed, records, fixed=kept, search="near", initial=fitted.initial))
     seen, half = fitted.quantities[delay.parameters[0].name], half_sample(late)
     lead, std = -seen.value, seen.std
-    if not (math.isfinite(std) and lead > NEGLIGIBLE * half and (named or lead > _CLEAR * std)):
+    if not (math.isfinite(std) and lead > NEGLIGIBLE * half and lead > (Z95 if named else _CLEAR) * std):
         return 0.0
     alike = max(record.period for record in late) < (1.0 + TENTH) * 2.0 * half
     if alike and abs(lead - half) < Z95 * std:

@@ -14,7 +14,9 @@ from msd_ident.data.resampling import centred
 from msd_ident.estimate import fit
 from msd_ident.io import SourceOptions, read, write_csv
 from msd_ident.model import Plant, simulate
+from msd_ident.model.effects import by_name
 from msd_ident.workflow import force_lead, pipeline, saved_model, validation
+from msd_ident.workflow.law_error import widened
 from msd_ident.workflow.preparation import held_otherwise, prepare
 
 RIG, PERIOD, NOISE = Plant(mass=1.0, damping=1.0, stiffness=1500.0), 0.002, 2e-6
@@ -80,6 +82,19 @@ def test_a_lead_of_next_to_nothing_is_none(early: float, lead: float) -> None:
     exact = simulate(RIG, replace(still, force_time=still.time - early * PERIOD)).position
     record = replace(still, position=exact + 1e-9 * np.random.default_rng(5).normal(size=exact.size))
     assert force_lead.found(fit(RIG, [record]), [record]) == pytest.approx(lead * PERIOD, rel=1e-2)
+
+
+@pytest.mark.parametrize("named", [False, True])
+def test_a_lead_that_the_error_of_a_law_may_make_is_none(named: bool) -> None:
+    """A hardening spring without its law: "simulations with semi-implicit Euler steps do so ... It is no cause"."""
+    hard = RIG + by_name("cubic_spring").from_values({"cubic_stiffness": 1e7})
+    still = told(np.zeros(FORCE.size))
+    record = told(simulate(hard, replace(still, force_time=still.time - 0.3 * PERIOD)).position)
+    plain = fit(RIG + by_name("time_offset").within_bounds(0.0) if named else RIG, [record])
+    assert plain.see > 30.0 * NOISE
+    stated = widened(plain)
+    assert force_lead.found(stated, [record]) == 0.0
+    assert force_lead.found(fit(hard, [record]), [record]) == pytest.approx(0.3 * PERIOD, rel=0.1)
 
 
 @pytest.mark.parametrize("early", [-0.5, 0.8, 1.0])
