@@ -27,6 +27,9 @@ from msd_ident.tuning import tuned
 
 _MOST = tuned(2, unit="pushes", why="pushes that are named, at most: there are few of them", chosen="by hand")
 
+#: Samples by which stamps of the force may be off before that is another finding.
+_LATE = 3
+
 
 @dataclass(frozen=True)
 class Push:
@@ -82,7 +85,13 @@ def pushes(
         return ()
     whole = found.force.size
     seen = [span for span in groups if span[0] > 0 and span[1] < whole and _is_seen(record, *span)]
-    return tuple(_push(record.time, found, begin, end) for begin, end in seen)
+    named = [_push(record.time, found, *span) for span in seen]
+    low, high = _usual_ground(record, groups, MOST_OF * period)
+    return tuple(
+        push
+        for push in named
+        if low <= np.interp(push.time, record.time, record.position) <= high and not _is_timing(record, push)
+    )
 
 
 @dataclass(frozen=True)
@@ -126,6 +135,25 @@ def _usual(force: FloatArray) -> float:
 def _is_seen(record: Record, begin: int, end: int) -> bool:
     """Whether the readings follow each other around it: what happened in a gap is no push."""
     return float(np.max(np.diff(record.time[max(begin - 5, 0) : end + 5]))) < SHORT_GAP * record.period
+
+
+def _usual_ground(record: Record, groups: Sequence[tuple[int, int]], apart: float) -> tuple[float, float]:
+    """Lowest and highest position further than ``apart`` [s] from every strong missing force: beyond it a law of the
+    place may act where the cart comes but once, as a rope that goes slack.
+    """
+    elsewhere = np.ones(record.samples, dtype=bool)
+    for begin, end in groups:
+        elsewhere &= np.abs(record.time - 0.5 * (record.time[begin] + record.time[end - 1])) > (
+            apart + 0.5 * (record.time[end - 1] - record.time[begin])
+        )
+    position = record.position[elsewhere]
+    return (float(position.min()), float(position.max())) if position.size else (math.inf, -math.inf)
+
+
+def _is_timing(record: Record, push: Push) -> bool:
+    """Whether a change of the force that is a few samples early or late makes such an impulse."""
+    near = push.time + record.period * np.arange(-_LATE, _LATE + 1)
+    return abs(push.impulse) < float(np.ptp(record.force_at(near))) * _LATE * record.period
 
 
 def sentences(records: Sequence[Record], fitted: FitResult, noise: float) -> tuple[str, ...]:

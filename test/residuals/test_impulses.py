@@ -96,7 +96,9 @@ def test_the_force_of_a_law_of_the_model_is_no_push(push: float, count: int) -> 
     assert all(" s with an impulse that is in no signal" in one for one in said), "its size is not known to a tenth"
     if not push:
         (alone,) = found.initial
-        assert pushes(record, found.model, NOISE, alone.zero), "what the plant alone lacks looks like one"
+        assert not pushes(record, found.model, NOISE, alone.zero), (
+            "what the plant lacks at its first peak looks like one"
+        )
 
 
 def test_the_record_is_named_where_there_are_several() -> None:
@@ -129,3 +131,20 @@ def test_readings_that_move_alone_are_no_push(size: float) -> None:
     (said,) = sentences([slipped], fit(DEMO, [slipped], search="near"), NOISE)
     assert said.startswith(f"The readings move by about {size:.2g} m at 1.1") and " while the speed stays, " in said
     assert "the encoder slipped or missed counts, or its scale is uneven there" in said
+
+
+def test_what_the_force_lacks_where_the_cart_is_but_once_is_no_push() -> None:
+    """A rope that went slack at the two furthest places of a record was "pushed" there."""
+    record = hardened(0.0)
+    plain = fit(Plant(0.8, 6.0, 200.0), [record], search="near")
+    assert sentences([record], plain, NOISE) == ()
+    assert len(sentences([hardened(-0.8)], fit(HARD, [hardened(-0.8)], search="near"), NOISE)) == 1
+
+
+@pytest.mark.parametrize("late", [1, 2])
+def test_a_force_whose_stamps_are_late_is_no_push(late: int) -> None:
+    """Each change of the setpoint of a controller that acted 5 ms late "pushed the cart"."""
+    record = bumped()
+    moved = replace(record, force_time=record.force_time - late * record.period)
+    assert pushes(moved, DEMO, NOISE, 0.0) == ()
+    assert len(pushes(bumped((0.204, 0.3)), DEMO, NOISE, 0.0)) == 1, "a bump beside a step of the force is one"
