@@ -129,7 +129,8 @@ def _step_route(responses: tuple[Response, ...]) -> str:
 def _decay(record: Record, noise: Noise) -> Features:
     response = free_decay(record, noise)
     if response is None:
-        still = _none("No force acts and nothing swings: there is no response to read.")
+        acts = "The force never changes" if record.force.any() else "No force acts"
+        still = _none(f"{acts} and nothing swings: there is no response to read.")
         freed = let_go(record, noise)
         return still if freed is None else replace(still, remarks=_held(record, freed), freed=freed)
     route = (

@@ -150,7 +150,9 @@ def decide(records: tuple[Record, ...], plant: Model, loss: Loss = "linear") -> 
     if not any(np.any(record.force_at(record.time)) for record in records):
         # Without a force only ratios are known: left free, the mass would leave every stiffness open.
         plant, scale = plant.with_values(plant.values / plant.mass), ("mass",)
-    base = plant + DryFriction(0.0) + Offset(0.0)
+    base = plant + DryFriction(0.0)
+    if any(np.ptp(record.force_at(record.time)) for record in records):
+        base += Offset(0.0)  # beside a force that never changes it would be another size of that force
     free = fit(base.with_values({"stiffness": 0.0}), records, fixed=("stiffness", *scale), zero="known", loss=loss)
     held = fit(free.model, records, fixed=scale, zero="known", loss=loss)
     sprung = held.see < _PLAIN * free.see or _holds(held, free, records)
@@ -233,7 +235,8 @@ def _holds(held: FitResult, free: FitResult, records: tuple[Record, ...]) -> boo
 def _share(held: FitResult, records: tuple[Record, ...]) -> float:
     """Range of the spring's force over that of the applied force."""
     travel = max(float(np.ptp(record.position)) for record in records)
-    applied = max(float(np.ptp(record.force)) for record in records)
+    before = [record.force_at([np.nextafter(record.time[0], -np.inf)]) for record in records]
+    applied = max(float(np.ptp(np.append(*pair))) for pair in zip(before, (one.force for one in records), strict=True))
     return held.model["stiffness"] * travel / applied if applied > 0.0 else math.inf
 
 

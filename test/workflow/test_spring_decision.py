@@ -18,6 +18,7 @@ from msd_ident.data.record import Record, from_samples
 from msd_ident.estimate import fit
 from msd_ident.io import SourceOptions, read
 from msd_ident.model import Effect, Plant, simulate
+from msd_ident.model.base_model import DryFriction
 from msd_ident.model.effects.gravity import Gravity
 from msd_ident.model.effects.periodic_disturbance import PeriodicDisturbance
 from msd_ident.quantity import Quantity
@@ -221,6 +222,20 @@ def test_a_release_through_a_wide_play_shows_a_spring(
     found = pipeline.diagnose([record])
     assert [cause.name for cause in found.causes] == ["backlash"] and (found.verdict == "explained") is copied
     assert found.extended.model["backlash_half_width"] == pytest.approx(2.96e-3, rel=0.01)
+
+
+def test_a_force_that_never_changes_is_not_told_from_a_constant_one() -> None:
+    """A quarter of a second after a step in the first line had "7.08e+16 ± 2.1e+15 N/m for one unit of mass"."""
+    time = 0.005 * np.arange(50)
+    still = from_samples(time, np.full(time.size, 8.0), np.zeros(time.size))
+    moved = simulate(Plant(2.3, 6.0, 420.0) + DryFriction(0.35), still).position
+    record = replace(still, position=moved + np.random.default_rng(2).normal(0.0, 3e-6, time.size))
+    sprung, said = spring_decision.decide((record,), typical_plant(record))
+    assert sprung and "one unit of mass" not in said and "; it carries " in said
+    stiffness = float(said.split("its stiffness is ")[1].split()[0])
+    assert stiffness == pytest.approx(420.0, rel=0.02)
+    (features,) = prepare([record]).features
+    assert features.route.startswith("The force never changes and nothing swings")
 
 
 def test_measured_records(shared_data: Path) -> None:
