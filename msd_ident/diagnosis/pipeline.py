@@ -75,9 +75,7 @@ def concluded(task: Task, found: Searched, progress: Progress = silent) -> Diagn
     judged = [JudgedModel(*one) for one in zip(fits, (lacking[0], still), left, strict=True)]
     lacks = remainders(task.records, floor(heard), judged[0], judged[1], task.tolerance)
     decision = verdict.decide(causes, lacks)
-    characteristics = None
-    if lacks.exceeds:
-        characteristics = nonparametric.measure(heard.readings, shown.model, shown.initial, fits[0].see)
+    curves = nonparametric.measure(heard.readings, shown.model, shown.initial, fits[0].see) if lacks.exceeds else None
     tied = ranking.within(DECISIVE) if decision == "ambiguous" else [best]
     others = [_resting(experiment, one) for one in (*tied, *alike) if one is not best]
     moved = ranges.over(extended, others, ranking.caveats_of(best.causes).exact, shared)
@@ -102,7 +100,7 @@ def concluded(task: Task, found: Searched, progress: Progress = silent) -> Diagn
         missing=missing,
         dependences=dependence.dependences(missing),
         still_missing=still,
-        characteristics=characteristics,
+        characteristics=curves,
         spread=moved,
         rivals=rival_sets.listed(ranking, best, partial(_floors_left, experiment, scale.other_noise)),
         calibration=choice.matrix,

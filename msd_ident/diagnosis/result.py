@@ -79,7 +79,8 @@ class Diagnosis:
         missing: the force that the base model lacks, for each record.
         dependences: signals that this force depends on.
         still_missing: the force that the extended model lacks.
-        characteristics: measured spring and damping curves, where more than the tolerance is left.
+        characteristics: measured spring and damping curves, where more than the tolerance is left and they leave less
+            than the base model.
         spread: least and largest m, b, k and Fc over tied explanations.
         rivals: the best other sets.
         warnings: what a reader must know, a sentence each.

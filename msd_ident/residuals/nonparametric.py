@@ -144,7 +144,9 @@ class _Curves:
         return Normal(cost, gradient, matrix)
 
 
-def measure(readings: Sequence[Readings], model: Model, initial: Sequence[Initial], see_base: float) -> Characteristics:
+def measure(
+    readings: Sequence[Readings], model: Model, initial: Sequence[Initial], see_base: float
+) -> Characteristics | None:
     """Fit both curves to all records by simulation error.
 
     Positions are counted from the zero of the first record; those of the others are shifted to it.
@@ -153,6 +155,9 @@ def measure(readings: Sequence[Readings], model: Model, initial: Sequence[Initia
         readings: the records with their noise.
         model, initial: where the fit starts: the best set of causes, and how each record began under it.
         see_base: SEE of the base model [m], to which the gain refers.
+
+    Returns:
+        None where they leave no less than the base model: then they are no measurement of the rig.
     """
     readings = [_shifted(part, initial[0].zero - began.zero) for part, began in zip(readings, initial, strict=True)]
     records = tuple(part.record for part in readings)
@@ -167,6 +172,8 @@ def measure(readings: Sequence[Readings], model: Model, initial: Sequence[Initia
     covariance = np.linalg.pinv(normal.matrix * np.outer(problem.scale, problem.scale), rcond=1e-12)
     std = np.where(seen, np.sqrt(np.maximum(np.diag(covariance), 0.0) * inflation) * problem.scale, math.nan)
     found = see([problem.residual(point, r) for r in range(len(records))])
+    if not found < see_base:
+        return None
     knots = 1 + problem.places.size
     end = knots + problem.speeds.size
     return Characteristics(
