@@ -17,6 +17,7 @@ from msd_ident.diagnosis.searching import Searched, Task, floor, result, search,
 from msd_ident.estimate import FitResult, see, see_reduction
 from msd_ident.estimate.levels import NEGLIGIBLE
 from msd_ident.estimate.result import scale_known
+from msd_ident.estimate.summary import UNKNOWN
 from msd_ident.features import extract
 from msd_ident.model.effects import by_name
 from msd_ident.model.joint_words import said_of
@@ -81,7 +82,7 @@ def concluded(task: Task, found: Searched, progress: Progress = silent) -> Diagn
     moved = ranges.over(extended, others, ranking.caveats_of(best.causes).exact, shared)
     said = _warned(task, choice, shown) + verdict.spread_sentence(moved) + fits[1].open_directions
     if not scale_known(fits[1].quantities):
-        said += fits[0].open_directions or (intervals.NO_SCALE,)
+        said += not_said(fits[0].open_directions, fits[1].open_directions) or (intervals.NO_SCALE,)
     after = dependence.sentence(still), _unnamed(ranking, best, scale)
     return Diagnosis(
         records=task.records,
@@ -110,6 +111,12 @@ def concluded(task: Task, found: Searched, progress: Progress = silent) -> Diagn
         tried=assess(experiment.library, ranking, best.causes, [name for cause in causes for name in cause.tied_with]),
         derived=intervals.at_rest(fit, shown, rivals, scale),
     )
+
+
+def not_said(sentences: Sequence[str], before: Sequence[str]) -> tuple[str, ...]:
+    """Sentences but for those on an unknown gain or scale that another list of parameters was told of before."""
+    known = {one.partition(UNKNOWN)[0] for one in before if UNKNOWN in one}
+    return tuple(one for one in sentences if one.partition(UNKNOWN)[0] not in known)
 
 
 def _warned(task: Task, choice: Choice, shown: Hypothesis) -> tuple[str, ...]:

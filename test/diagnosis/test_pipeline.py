@@ -13,7 +13,11 @@ import pytest
 from msd_ident.data.quality.finding import warning
 from msd_ident.data.record import Record
 from msd_ident.diagnosis import Diagnosis, Task, diagnose_records
+from msd_ident.diagnosis.pipeline import not_said
 from msd_ident.errors import UsageError
+from msd_ident.estimate import fit
+from msd_ident.model import Plant
+from msd_ident.model.base_model import DryFriction
 from msd_ident.selection import naming
 from msd_ident.selection.cross_validation import HeldOut
 from msd_sim import lottery
@@ -59,6 +63,17 @@ def test_the_extended_model_has_the_rigs_numbers(rubbing: Diagnosis) -> None:
         assert abs(quantity.value / RIG[name] - 1.0) < 0.005
     assert rubbing.adequacy.ratio < 1.2 < rubbing.base_adequacy.ratio
     assert rubbing.summary.startswith("The model lacks Coulomb friction")
+
+
+def test_an_unknown_gain_is_told_once() -> None:
+    """The sentence stood there twice, with two lists, where the extended model leaves all parameters open."""
+    record = replace(measured({"coulomb_friction": {"coulomb_force": 0.15}}), force_unit="V")
+    plain = fit(Plant(1.0, 2.0, 600.0), [record])
+    rubbed = fit(plain.model + DryFriction(0.1), [record])
+    assert len(plain.open_directions) == len(rubbed.open_directions) == 1
+    assert plain.open_directions != rubbed.open_directions and "gain in newtons is unknown" in plain.open_directions[0]
+    assert not_said((*plain.open_directions, "mass is open"), rubbed.open_directions) == ("mass is open",)
+    assert not_said(plain.open_directions, ()) == plain.open_directions
 
 
 def test_clean_data_is_adequate_and_nothing_is_searched() -> None:
