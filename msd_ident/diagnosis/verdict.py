@@ -123,6 +123,14 @@ def percent(value: float) -> str:
     return f"{value:.0f} %" if value >= 10.0 else f"{value:.2g} %" if value >= 0.01 else "less than 0.01 %"
 
 
+def _beside(value: float, limit: float) -> str:
+    """A percentage with as many digits as tell it from a limit."""
+    if percent(value) != percent(limit):
+        return percent(value)
+    texts = (f"{value:.{digits}g}" for digits in range(3, 10))
+    return next((f"{text} %" for text in texts if float(text) != limit), percent(value))
+
+
 def _left(lead: str, left: Remainders) -> str:
     """How much stays unexplained, and whether that is more than the tolerance."""
     found, part = left.extended, _part(left)
@@ -131,8 +139,9 @@ def _left(lead: str, left: Remainders) -> str:
         missing = f"any slow missing force is {of}{force(found, left.force_unit)}{part}"
         return f"{lead}, the residual is consistent with noise: {missing}."
     tolerance = f"{'more' if left.exceeds else 'less'} than the tolerance of {left.tolerance_percent:g} %"
+    unexplained = _beside(found.motion_percent, left.tolerance_percent)
     return (
-        f"{lead}, {percent(found.motion_percent)} of the motion is still unexplained, {tolerance}: a missing force of "
+        f"{lead}, {unexplained} of the motion is still unexplained, {tolerance}: a missing force of "
         f"{force(found, left.force_unit)}{part}. The noise is {percent(left.noise_percent)} of the motion."
     )
 

@@ -71,6 +71,9 @@ def test_the_rules_in_their_order(causes: tuple[Cause, ...], remainder: Remainde
         ("explained", [cause(0.98, (), "relaxing_spring")], left(0.4), ["The relaxing spring may also be a drive that "
           "gives way and lags (a motor's back-EMF behind its inductance, air in a cylinder): no record tells them "
           "apart."]),
+        ("unexplained", [], left(1.004), ["1.004 % of the motion is still unexplained, more than the tolerance of 1 %",
+          "DEPENDS"]),
+        ("explained", [cause(0.98)], left(0.996), ["0.996 % of the motion is still unexplained, less than the"]),
         ("unexplained", [], left(4.0), ["Something is missing that no cause of the library explains.", "DEPENDS"]),
         ("unexplained", [], left(0.04), ["What is left is less than the noise but not noise alone, and no cause of the "
           "library explains it.", "DEPENDS"]),
