@@ -8,6 +8,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 from msd_ident.diagnosis.result import Cause, Verdict
+from msd_ident.estimate.levels import MOST_OF
 from msd_ident.model.effects import by_name, spoken
 from msd_ident.quantity import probability
 from msd_ident.residuals.unexplained import Remainder, Remainders
@@ -103,8 +104,8 @@ def _together(causes: Causes) -> str:
 
 
 def force(left: Remainder, unit: str) -> str:
-    """The missing force with its interval, e.g. ``0.012 N rms (0.010 to 0.015)``, or its bound if none is detected;
-    ``unknown size`` where the scale of all forces is open.
+    """The missing force with its interval, e.g. ``0.012 N rms (0.010 to 0.015)``, or its bound if none is detected; the
+    interval alone where it is wide, and ``unknown size`` where the scale of all forces is open.
 
     Args:
         left: of one model.
@@ -115,7 +116,15 @@ def force(left: Remainder, unit: str) -> str:
         return "unknown size"
     if not left.seen:
         return f"below {high:.2g} {unit} rms"
+    if is_wide(left):
+        return f"{low:.2g} to {high:.2g} {unit} rms"
     return f"{left.force:.2g} {unit} rms ({low:.2g} to {high:.2g})"
+
+
+def is_wide(left: Remainder) -> bool:
+    """Whether the interval of a missing force says so little that a number in it would say too much."""
+    low, high = left.force_interval
+    return left.seen and low < MOST_OF**2 * high
 
 
 def percent(value: float) -> str:
@@ -133,7 +142,7 @@ def _beside(value: float, limit: float) -> str:
 
 def _left(lead: str, left: Remainders) -> str:
     """How much stays unexplained, and whether that is more than the tolerance."""
-    found, part = left.extended, _part(left)
+    found, part = left.extended, part_of_force(left)
     if not found.seen:
         of = "of " if math.isnan(found.force) else ""
         missing = f"any slow missing force is {of}{force(found, left.force_unit)}{part}"
@@ -146,10 +155,14 @@ def _left(lead: str, left: Remainders) -> str:
     )
 
 
-def _part(left: Remainders) -> str:
-    """The missing force as a part of another."""
-    share = left.extended.force_percent
-    return f", {percent(share)} of the {left.yardstick}" if share == share else ""
+def part_of_force(left: Remainders) -> str:
+    """The missing force of the extended model as a part of another force, after a comma; nothing without one."""
+    found, share = left.extended, left.extended.force_percent
+    if not math.isfinite(share):
+        return ""
+    if is_wide(found):
+        return f", up to {percent(share * found.force_interval[1] / found.force)} of the {left.yardstick}"
+    return f", {percent(share)} of the {left.yardstick}"
 
 
 def likely(cause: Cause) -> bool:

@@ -90,9 +90,8 @@ def remainder(diagnosis: Diagnosis) -> tuple[str, str]:
     """What the extended model leaves: of the motion, and as a force with its interval and its part of another."""
     left = diagnosis.left
     found = left.extended
-    share = f", {percent(found.force_percent)} of the {left.yardstick}" if math.isfinite(found.force_percent) else ""
     motion = percent(found.motion_percent) if found.seen else "not distinguishable from noise"
-    return motion, f"{said.force(found, left.force_unit)}{share}"
+    return motion, f"{said.force(found, left.force_unit)}{said.part_of_force(left)}"
 
 
 def gain(diagnosis: Diagnosis) -> str:

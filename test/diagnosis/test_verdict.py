@@ -94,6 +94,15 @@ def test_a_missing_force_without_a_scale_is_of_unknown_size() -> None:
     assert said.endswith("consistent with noise: any slow missing force is of unknown size.")
 
 
+def test_of_a_missing_force_that_is_hardly_known_the_interval_is_told() -> None:
+    """ "1 A rms (0.041 to 1), 173 % of the applied force" was told, and a regression on the motion left 0.21 A."""
+    found = left(4.0)
+    wide = replace(found, extended=replace(found.extended, force_interval=(0.001, 0.012)))
+    said = verdict.summary("unexplained", [], wide, GAIN, ("", ""))
+    assert ": a missing force of 0.001 to 0.012 N rms, up to 0.8 % of the applied force." in said
+    assert "0.012 N rms (0.01 to 0.015), 0.8 %" in verdict.summary("unexplained", [], found, GAIN, ("", ""))
+
+
 def test_a_leading_explanation_that_is_not_named_is_said_with_the_reason() -> None:
     said = verdict.unpredicted(frozenset(), frozenset({"coulomb_friction", "bouc_wen"}), frozenset())
     assert said.startswith("The leading explanation, Bouc-Wen and Coulomb friction, is not named: it predicts left-out")
