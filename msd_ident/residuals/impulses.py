@@ -23,12 +23,11 @@ from msd_ident.model import Model
 from msd_ident.model.base_model import DRY_FRICTION, friction_force
 from msd_ident.quantity import MAD
 from msd_ident.residuals.disturbance import lacking_force, missing_force
-from msd_ident.tuning import tuned
+from msd_ident.tuning import fixed, tuned
 
 _MOST = tuned(2, unit="pushes", why="pushes that are named, at most: there are few of them", chosen="by hand")
 
-#: Samples by which stamps of the force may be off before that is another finding.
-_LATE = 3
+_LATE = fixed(3, "interface", "samples by which a force may be off its stamps before its own impulse is told as a push")
 
 
 @dataclass(frozen=True)

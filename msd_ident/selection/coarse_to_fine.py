@@ -51,7 +51,8 @@ def search(
     """
     thin = experiment.thinned(SAMPLES)
     if all(few is part for few, part in zip(thin.readings, experiment.readings, strict=True)):
-        return _told(_searching(experiment, progress).run(known[0], known[1:], remembered), experiment)
+        only = _searching(experiment, progress)
+        return replace(_told(only.run(known[0], known[1:], remembered), experiment), unfinished=_ended_after(only))
     part, blurred = _coarser(thin, known[1], known[1].chi / experiment.evidence)
     start = tuple(refine(part, one.causes, one.model, _begun(one.initial, experiment, part)) for one in known)
     again = [(causes, model, _begun(initial, experiment, part)) for causes, model, initial in remembered]
@@ -72,7 +73,13 @@ def search(
         one.causes: (one.causes, one.model, _begun(one.initial, part, experiment, known[0].initial))
         for one in first.sets.values()
     }
-    return _told(whole.beside_its_parts(starts), experiment, (ahead, part))
+    ranking = _told(whole.beside_its_parts(starts), experiment, (ahead, part))
+    return replace(ranking, unfinished=_ended_after(first, whole))
+
+
+def _ended_after(*searches: Search) -> int:
+    """How many sets were tried by searches one of which ended before all were; 0 if all were."""
+    return max(len(one.tried) for one in searches) if any(one.unfinished for one in searches) else 0
 
 
 def _told(ranking: Ranking, experiment: Experiment, *before: tuple[Ranking, Experiment]) -> Ranking:

@@ -53,7 +53,7 @@ def sentences(ranking: Ranking) -> tuple[str, ...]:
         if name in caveats.open
     ]
     said += [*_slow(ranking, unsure), *_sampled(ranking, unsure), *_aging(ranking, unsure), *_steered(ranking, unsure)]
-    said += _free_together(caveats, unsure)
+    said += [*_free_together(caveats, unsure), *_unfinished(ranking, unsure)]
     if ranking.balanced and unsure:
         said.append(
             "a controller holds an unstable motion, and what disturbs the rig moves its force too, which friction also "
@@ -70,6 +70,16 @@ def sentences(ranking: Ranking) -> tuple[str, ...]:
         causes = " and ".join(map(spoken, doubted))
         said.append(f"left-out data calls for {causes}, but the evidence does not, so {_are(doubted)} not certain.")
     return tuple(sentence[0].upper() + sentence[1:] for sentence in said)
+
+
+def _unfinished(ranking: Ranking, unsure: Sequence[str]) -> list[str]:
+    """Why no cause is certain of a search that ended before all sets were tried."""
+    if not (ranking.unfinished and unsure):
+        return []
+    return [
+        "the record is long, and all causes leave far more than noise: the search ended after "
+        f"{ranking.unfinished} sets of causes, so no cause is certain. Give it a part with --start and --end to try all."
+    ]
 
 
 def _free_together(caveats: Caveats, unsure: Sequence[str]) -> list[str]:

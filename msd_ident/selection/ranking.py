@@ -56,6 +56,8 @@ class Ranking:
         pushed_unseen: whether the cart moves before the force is known: no cause is certain.
         balanced: whether a controller holds an unstable motion, of which stretches are fitted: what disturbs the rig
             moves the force too, so no cause is certain.
+        unfinished: how many sets a search had tried that ended, far from the noise, before it had tried all; 0 where it
+            had. No cause is certain then.
     """
 
     sets: tuple[Hypothesis, ...]
@@ -72,6 +74,7 @@ class Ranking:
     steered: bool = False
     pushed_unseen: bool = False
     balanced: bool = False
+    unfinished: int = 0
 
     @property
     def best(self) -> Hypothesis:
@@ -157,7 +160,7 @@ class Ranking:
         )
         if not certain(most):
             found = min(found, most if self.leader_caveats.leaves else max(most, CERTAIN))
-        if self.pushed_unseen or self.balanced:
+        if self.pushed_unseen or self.balanced or self.unfinished:
             found = min(found, probability_at(CERTAIN_ODDS))
         if not (self.unchecked or self.foretold):
             return found

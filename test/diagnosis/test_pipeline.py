@@ -18,7 +18,7 @@ from msd_ident.errors import UsageError
 from msd_ident.estimate import fit
 from msd_ident.model import Plant
 from msd_ident.model.base_model import DryFriction
-from msd_ident.selection import naming
+from msd_ident.selection import naming, structure_search
 from msd_ident.selection.cross_validation import HeldOut
 from msd_sim import lottery
 from msd_sim.api import simulate
@@ -164,6 +164,25 @@ def test_an_oddity_is_not_given_a_confident_name_and_its_curves_are_measured(
     spring = found.characteristics.spring
     slope = np.polyfit(spring.over, spring.force, 1)[0]
     assert slope == pytest.approx(600.0, rel=0.1)
+
+
+def test_a_long_search_far_from_the_noise_ends_and_says_so(
+    asking_about: Callable[..., None], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A record of 48 809 samples in 800 swings took more than five minutes, to causes that are not certain."""
+    asking_about("position_dependent_damping", "quadratic_drag", "cubic_spring", "coulomb_friction")
+    cable = {"loose_cable": {"cable_damping": 4.0, "cable_start": 0.002, "cable_end": 0.013}}
+    record = measured(cable, rate=250.0)
+    monkeypatch.setattr(structure_search, "_MOST_WORK", 6 * record.samples)
+    found = diagnose_records(Task((record,)))
+    assert all(cause.probability <= 0.9 for cause in found.causes)
+    (said,) = [one for one in found.warnings if one.startswith("The record is long, and all causes leave far more")]
+    tried = int(said.split(" sets of causes")[0].split()[-1])
+    monkeypatch.undo()
+    asking_about("position_dependent_damping", "quadratic_drag", "cubic_spring", "coulomb_friction")
+    whole = diagnose_records(Task((record,)))
+    assert not [one for one in whole.warnings if one.startswith("The record is long")]
+    assert 6 < tried < 12 and len(found.causes) <= 2
 
 
 def test_a_free_decay_without_a_spring_can_be_asked_for(asking_about: Callable[..., None]) -> None:
