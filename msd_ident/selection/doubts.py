@@ -78,7 +78,8 @@ def _unfinished(ranking: Ranking, unsure: Sequence[str]) -> list[str]:
         return []
     return [
         "the record is long, and all causes leave far more than noise: the search ended after "
-        f"{ranking.unfinished} sets of causes, so no cause is certain. Give it a part with --start and --end to try all."
+        f"{ranking.unfinished} sets of causes, so no cause is certain. Give it a part with --start and --end to try "
+        "all."
     ]
 
 
