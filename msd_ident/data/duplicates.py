@@ -8,7 +8,7 @@ import numpy as np
 
 from msd_ident.data.record import FloatArray, Record
 
-#: Part of the largest value by which a value differs from its duplicate, at most: what writing with nine digits loses.
+#: Part of the range of the values by which one differs from its duplicate, at most: what nine written digits lose.
 _ROUNDING = 1e-8
 #: Part of a sample period by which a stamp differs from its duplicate, at most.
 _OF_A_PERIOD = 1e-3
@@ -39,8 +39,8 @@ def _same(one: Record, other: Record) -> bool:
         return False
     slack = _OF_A_PERIOD * one.period
     return (
-        _near(one.position, other.position, _ROUNDING * float(np.max(np.abs(one.position))))
-        and _near(one.force, other.force, _ROUNDING * float(np.max(np.abs(one.force))))
+        _near(one.position, other.position, _ROUNDING * float(np.ptp(one.position)))
+        and _near(one.force, other.force, _ROUNDING * float(np.ptp(one.force)))
         and _near(one.time - one.time[0], other.time - other.time[0], slack)
         and _near(one.force_time - one.time[0], other.force_time - other.time[0], slack)
     )

@@ -17,7 +17,7 @@ from msd_ident.diagnosis.searching import Searched, Task, floor, result, search,
 from msd_ident.estimate import FitResult, see, see_reduction
 from msd_ident.estimate.levels import NEGLIGIBLE
 from msd_ident.estimate.result import scale_known
-from msd_ident.estimate.summary import UNKNOWN
+from msd_ident.estimate.summary import SCALE_SAID
 from msd_ident.features import extract
 from msd_ident.model.effects import by_name
 from msd_ident.model.joint_words import said_of
@@ -115,8 +115,8 @@ def concluded(task: Task, found: Searched, progress: Progress = silent) -> Diagn
 
 def not_said(sentences: Sequence[str], before: Sequence[str]) -> tuple[str, ...]:
     """Sentences but for those on an unknown gain or scale that another list of parameters was told of before."""
-    known = {one.partition(UNKNOWN)[0] for one in before if UNKNOWN in one}
-    return tuple(one for one in sentences if one.partition(UNKNOWN)[0] not in known)
+    known = {one.partition(SCALE_SAID)[0] for one in before if SCALE_SAID in one}
+    return tuple(one for one in sentences if one.partition(SCALE_SAID)[0] not in known)
 
 
 def _warned(task: Task, choice: Choice, shown: Hypothesis) -> tuple[str, ...]:

@@ -158,10 +158,11 @@ def _left(lead: str, left: Remainders) -> str:
 def part_of_force(left: Remainders) -> str:
     """The missing force of the extended model as a part of another force, after a comma; nothing without one."""
     found, share = left.extended, left.extended.force_percent
-    if not math.isfinite(share):
+    most = found.force_interval[1]
+    if not (math.isfinite(share) and math.isfinite(most)):
         return ""
-    if is_wide(found):
-        return f", up to {percent(share * found.force_interval[1] / found.force)} of the {left.yardstick}"
+    if is_wide(found) and found.force > 0.0:
+        return f", up to {percent(share * most / found.force)} of the {left.yardstick}"
     return f", {percent(share)} of the {left.yardstick}"
 
 

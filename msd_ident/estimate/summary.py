@@ -28,7 +28,7 @@ from msd_ident.quantity import Quantity
 #: Force and position units in which mass, damping and stiffness are absolute.
 _ABSOLUTE = (("N", "m"), ("N·m", "rad"))
 #: What stands between an unknown gain or scale and the parameters that are known only up to it.
-UNKNOWN = " is unknown, so "
+SCALE_SAID = ", so "
 
 
 @dataclass(frozen=True)
@@ -217,17 +217,17 @@ def _gain_sentence(problem: Problem) -> tuple[str, ...]:
     said = []
     if record.force_unit not in ("N", "N·m"):
         said.append(
-            f"The force is in {record.force_unit} and its gain in newtons{UNKNOWN}{names} are known only "
+            f"The force is in {record.force_unit} and its gain in newtons is unknown{SCALE_SAID}{names} are known only "
             "up to that gain: measure the force of one input with a spring balance, or weigh the moving mass."
         )
     if record.position_unit not in ("m", "rad"):
         said.append(
-            f"The position is in {record.position_unit} and its scale in metres{UNKNOWN}{names} are known only "
-            "up to that scale: measure a known travel, and give --position-scale and --position-unit m."
+            f"The position is in {record.position_unit} and its scale in metres is unknown{SCALE_SAID}{names} are "
+            "known only up to that scale: measure a known travel, and give --position-scale and --position-unit m."
         )
     if not said:
         said.append(
-            f"The force is in {record.force_unit} and the position in {record.position_unit}, so {names} are known "
-            "only up to the lever arm between them: give --force-scale or --position-scale."
+            f"The force is in {record.force_unit} and the position in {record.position_unit}{SCALE_SAID}{names} are "
+            "known only up to the lever arm between them: give --force-scale or --position-scale."
         )
     return tuple(said)

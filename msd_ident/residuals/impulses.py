@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from msd_ident.data.quality.cleaning import jump_at
+from msd_ident.data.quality.cleaning import jump_at, sudden
 from msd_ident.data.quality.sampling import SHORT_GAP
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate import FitResult
@@ -36,8 +36,8 @@ class Push:
 
     Attributes:
         time: of its peak [s].
-        impulse: of the force [N·s], with the sign of the position.
-        one_way: whether the force pushes one way; else the readings moved, and the speed did not.
+        impulse: of the force [N·s], with the sign of the position; NaN of one that pushes to and fro.
+        one_way: False where the readings moved, and the speed did not.
     """
 
     time: float
@@ -84,12 +84,13 @@ def pushes(
         return ()
     whole = found.force.size
     seen = [span for span in groups if span[0] > 0 and span[1] < whole and _is_seen(record, *span)]
-    named = [_push(record.time, found, *span) for span in seen]
+    named = [_push(record, found, *span) for span in seen]
     low, high = _usual_ground(record, groups, MOST_OF * period)
     return tuple(
         push
         for push in named
-        if low <= np.interp(push.time, record.time, record.position) <= high and not _is_timing(record, push)
+        if low <= np.interp(push.time, record.time, record.position) <= high
+        and not _is_timing(record, push, len(groups))
     )
 
 
@@ -138,21 +139,26 @@ def _is_seen(record: Record, begin: int, end: int) -> bool:
 
 def _usual_ground(record: Record, groups: Sequence[tuple[int, int]], apart: float) -> tuple[float, float]:
     """Lowest and highest position further than ``apart`` [s] from every strong missing force: beyond it a law of the
-    place may act where the cart comes but once, as a rope that goes slack.
+    place may act where the cart comes but once, as a rope that goes slack. No limits where less than a swing is left.
     """
     elsewhere = np.ones(record.samples, dtype=bool)
     for begin, end in groups:
-        elsewhere &= np.abs(record.time - 0.5 * (record.time[begin] + record.time[end - 1])) > (
-            apart + 0.5 * (record.time[end - 1] - record.time[begin])
-        )
+        elsewhere &= (record.time < record.time[begin] - apart) | (record.time > record.time[end - 1] + apart)
     position = record.position[elsewhere]
-    return (float(position.min()), float(position.max())) if position.size else (math.inf, -math.inf)
+    if position.size * record.period < 2.0 * apart:
+        return -math.inf, math.inf
+    return float(position.min()), float(position.max())
 
 
-def _is_timing(record: Record, push: Push) -> bool:
-    """Whether a change of the force that is a few samples early or late makes such an impulse."""
-    near = push.time + record.period * np.arange(-_LATE, _LATE + 1)
-    return abs(push.impulse) < float(np.ptp(record.force_at(near))) * _LATE * record.period
+def _is_timing(record: Record, push: Push, found: int) -> bool:
+    """Whether a change of the force that is a few samples early or late makes such an impulse: stamps that are off do
+    so at every such change, so that there are few more of these than strong missing forces (``found``).
+    """
+    force, width = record.force_at(record.time), 2 * _LATE + 1
+    change = np.ptp(np.lib.stride_tricks.sliding_window_view(force, width), axis=1)
+    here = float(change[np.clip(np.searchsorted(record.time, push.time) - _LATE, 0, change.size - 1)])
+    alike = np.count_nonzero(change >= MOST_OF * here) / (width - 1)
+    return bool(alike < 2 * (found + 1) and abs(push.impulse) < here * _LATE * record.period)
 
 
 def sentences(records: Sequence[Record], fitted: FitResult, noise: float) -> tuple[str, ...]:
@@ -177,7 +183,8 @@ def sentences(records: Sequence[Record], fitted: FitResult, noise: float) -> tup
                     "check cable and coupling, or leave this part out with --start or --end."
                 )
                 continue
-            size = f"about {push.impulse:.3g} {record.force_unit}·s that are" if sized else "an impulse that is"
+            known = sized and math.isfinite(push.impulse)
+            size = f"about {push.impulse:.3g} {record.force_unit}·s that are" if known else "an impulse that is"
             said.append(
                 f"Something pushed the cart at {push.time:.3f} s{where} with {size} in no signal: a bump, a "
                 "collision, or a stop or a limit of the drive that the model lacks. It makes the parameters wrong: "
@@ -186,9 +193,14 @@ def sentences(records: Sequence[Record], fitted: FitResult, noise: float) -> tup
     return tuple(said)
 
 
-def _push(time: FloatArray, found: _Unexplained, begin: int, end: int) -> Push:
+def _push(record: Record, found: _Unexplained, begin: int, end: int) -> Push:
     width = end - begin
     part = slice(max(begin - width, 0), end + width)
-    peak = begin + int(np.argmax(np.abs(found.force[begin:end])))
-    impulse, both_ways = (float(np.trapezoid(size[part], time[part])) for size in (found.force, np.abs(found.force)))
-    return Push(float(time[peak]), impulse, not found.exact or abs(impulse) > MOST_OF * both_ways)
+    peak = float(record.time[begin + int(np.argmax(np.abs(found.force[begin:end])))])
+    impulse, both_ways = (
+        float(np.trapezoid(size, record.time[part])) for size in (found.force[part], np.abs(found.force[part]))
+    )
+    if not found.exact or abs(impulse) > MOST_OF * both_ways:
+        return Push(peak, impulse)
+    steps = sudden(record).index  # a push to and fro takes the cart there on the way
+    return Push(peak, math.nan, not np.any((steps >= begin - _LATE) & (steps <= end + _LATE)))

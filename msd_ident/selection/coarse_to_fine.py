@@ -78,8 +78,8 @@ def search(
 
 
 def _ended_after(*searches: Search) -> int:
-    """How many sets were tried by searches one of which ended before all were; 0 if all were."""
-    return max(len(one.tried) for one in searches) if any(one.unfinished for one in searches) else 0
+    """How many sets were tried by the searches that ended before all were; 0 if none did."""
+    return max((len(one.tried) for one in searches if one.unfinished), default=0)
 
 
 def _told(ranking: Ranking, experiment: Experiment, *before: tuple[Ranking, Experiment]) -> Ranking:

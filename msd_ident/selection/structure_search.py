@@ -20,7 +20,7 @@ from msd_ident.model import Model
 from msd_ident.model.effects import by_name
 from msd_ident.selection import starting_points
 from msd_ident.selection.fitted_sets import FittedSets, named
-from msd_ident.selection.hypothesis import COULOMB, NOTHING, Causes, Hypothesis
+from msd_ident.selection.hypothesis import COULOMB, NOTHING, Causes, Hypothesis, causes_that_fit
 from msd_ident.selection.hypothesis_fit import COMPARABLE, FAR, refine
 from msd_ident.selection.neighbours import only_another_form
 from msd_ident.selection.observer import can_follow, followed
@@ -117,14 +117,16 @@ class Search(FittedSets):
 
     def _fit(self, wanted: Iterable[Causes], start: float, end: float) -> bool:
         """``FittedSets._fit``, while the search is not too long."""
-        return not self._is_long() and super()._fit(wanted, start, end)
+        if not self._is_long():
+            return super()._fit(wanted, start, end)
+        self.unfinished |= any(causes not in self.tried and causes_that_fit(causes) for causes in wanted)
+        return False
 
     def _is_long(self) -> bool:
         """Whether a search that leaves far more than noise has done its share of work; no cause is certain there."""
         samples = sum(part.record.samples for part in self.experiment.readings)
         far = self._least.chi > FAR * self.experiment.evidence
-        self.unfinished = far and len(self.tried) * samples > _MOST_WORK
-        return self.unfinished
+        return far and len(self.tried) * samples > _MOST_WORK
 
     def _fit_regressed(self) -> bool:
         """Fit sets that a regression of the equation of motion calls for: each cause may explain nothing by itself.

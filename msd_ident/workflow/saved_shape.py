@@ -8,7 +8,8 @@ from typing import Any
 
 #: Keys of a result that are lists, with what their entries are.
 _LISTS = {
-    "data": "object", "causes": "object", "effects": "text", "initial": "object", "rivals": "object", "known": "object"
+    "data": "object", "causes": "object", "effects": "text", "initial": "object", "rivals": "object",
+    "known": "object", "warnings": "text",
 }  # fmt: skip
 #: Keys that are objects.
 _OBJECTS = ("read_with", "missing_force_depends_on")

@@ -235,8 +235,10 @@ def _holds(held: FitResult, free: FitResult, records: tuple[Record, ...]) -> boo
 def _share(held: FitResult, records: tuple[Record, ...]) -> float:
     """Range of the spring's force over that of the applied force."""
     travel = max(float(np.ptp(record.position)) for record in records)
-    before = [record.force_at([np.nextafter(record.time[0], -np.inf)]) for record in records]
-    applied = max(float(np.ptp(np.append(*pair))) for pair in zip(before, (one.force for one in records), strict=True))
+    applied = max(float(np.ptp(record.force)) for record in records)
+    if applied == 0.0:  # a force that never changes has stepped in the first line, or acted before
+        before = [float(record.force_at([np.nextafter(record.time[0], -np.inf)])[0]) for record in records]
+        applied = max(abs(float(record.force[0]) - was) for record, was in zip(records, before, strict=True))
     return held.model["stiffness"] * travel / applied if applied > 0.0 else math.inf
 
 

@@ -100,6 +100,10 @@ def test_of_a_missing_force_that_is_hardly_known_the_interval_is_told() -> None:
     wide = replace(found, extended=replace(found.extended, force_interval=(0.001, 0.012)))
     said = verdict.summary("unexplained", [], wide, GAIN, ("", ""))
     assert ": a missing force of 0.001 to 0.012 N rms, up to 0.8 % of the applied force." in said
+    none = replace(wide, extended=replace(wide.extended, force=0.0, force_interval=(0.0, 1.0)))
+    assert ": a missing force of 0 to 1 N rms" in verdict.summary("unexplained", [], none, GAIN, ("", ""))
+    endless = replace(wide, extended=replace(wide.extended, force_interval=(0.001, math.inf)))
+    assert "inf %" not in verdict.summary("unexplained", [], endless, GAIN, ("", ""))
     assert "0.012 N rms (0.01 to 0.015), 0.8 %" in verdict.summary("unexplained", [], found, GAIN, ("", ""))
 
 

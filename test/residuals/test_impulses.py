@@ -148,3 +148,34 @@ def test_a_force_whose_stamps_are_late_is_no_push(late: int) -> None:
     moved = replace(record, force_time=record.force_time - late * record.period)
     assert pushes(moved, DEMO, NOISE, 0.0) == ()
     assert len(pushes(bumped((0.204, 0.3)), DEMO, NOISE, 0.0)) == 1, "a bump beside a step of the force is one"
+
+
+def test_a_push_to_and_fro_moves_the_cart_and_not_the_readings() -> None:
+    """A knock and its rebound moved a cart by 7 mm; the "encoder slipped by -9.4e-05 m"."""
+    for apart in (0.03, 0.05):
+        record = bumped((1.1, 0.3), (1.1 + apart, -0.3))
+        (found,) = pushes(record, DEMO, NOISE, 0.0)
+        assert found.one_way and math.isnan(found.impulse)
+        (said,) = sentences([record], fit(DEMO, [record], search="near"), NOISE)
+        assert said.startswith("Something pushed the cart at 1.1") and " with an impulse that is in no signal" in said
+
+
+@pytest.mark.parametrize("rate", [50.0, 100.0])
+def test_a_push_under_a_force_that_changes_often_is_told(rate: float) -> None:
+    """Levels that change each 0.1 s, read at 50 Hz: 4 of 12 bumps were told."""
+    rng, time = np.random.default_rng(8), np.arange(0.0, 12.0, 0.001)
+    force = 8.0 * np.repeat(rng.choice([-1.0, 1.0], 120), 100)
+    told = 0
+    for instant in np.arange(1.03, 11.0, 0.83):
+        bump = np.where((time >= instant) & (time < instant + LASTS), 0.9 / LASTS, 0.0)
+        asked = from_samples(time, force + bump, np.zeros(time.size))
+        every = round(1000.0 / rate)
+        moved = simulate_model(DEMO, asked).position[::every] + NOISE * rng.standard_normal(time[::every].size)
+        record = replace(asked, time=time[::every], position=moved, force=force)
+        told += bool(pushes(record, DEMO, NOISE, 0.0))
+    assert told >= 11
+
+
+def test_a_push_in_a_record_of_two_swings_is_told() -> None:
+    record = bumped((1.1, 0.3)).window(0.95, 1.4)
+    assert len(pushes(record, DEMO, NOISE, 0.0)) == 1

@@ -238,6 +238,20 @@ def test_a_force_that_never_changes_is_not_told_from_a_constant_one() -> None:
     assert features.route.startswith("The force never changes and nothing swings")
 
 
+def test_a_spring_that_carries_little_beside_a_preload_is_told_so_in_a_part_of_a_record() -> None:
+    """The force before the part is not known; the preload of 200 N counted as a step of it."""
+    time = 0.005 * np.arange(2000)
+    force = 200.0 + 4.0 * np.sin(7.0 * time) + 3.0 * np.sin(17.0 * time)
+    still = from_samples(time, force, np.zeros(time.size))
+    plant = Plant(2.0, 3.0, 40.0)
+    moved = simulate(plant, still, initial_position=5.0).position
+    part = replace(still, position=moved + 1e-5 * np.random.default_rng(3).standard_normal(time.size)).window(4.0, 10.0)
+    _, said = spring_decision.decide((part,), typical_plant(part))
+    share = float(said.split("; it carries ")[1].split()[0])
+    travel = float(np.ptp(part.position))
+    assert share == pytest.approx(100.0 * 40.0 * travel / float(np.ptp(part.force)), rel=0.1)
+
+
 def test_measured_records(shared_data: Path) -> None:
     path = shared_data / "real" / "ecp2023_closed_loop.csv"
     if not path.exists():

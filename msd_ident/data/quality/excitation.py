@@ -18,6 +18,8 @@ _TONE_OF_FORCE, _TONE_OF_MOTION = 0.9, 0.97
 _PERIODS, _SPREAD = 2, 2
 #: Part of the samples at which a force in steps changes, at most.
 _JUMPS = 0.02
+#: Fewest levels of a force in steps: an encoder of a cart that stands may flip by a count.
+_LEVELS = 3
 
 
 def excitation(record: Record, motion: Motion) -> Iterator[Finding]:
@@ -48,7 +50,7 @@ def excitation(record: Record, motion: Motion) -> Iterator[Finding]:
             "no_motion",
             f"the position jumps within {motion.span:.3g} {unit} and stays where it is in between, as a force in steps "
             f"does, and the force runs smoothly over {motion.force_span:.3g} {record.force_unit}, as a position does: "
-            "are the two swapped? Name them with --force and --position",
+            "are the two swapped? Name them with --force and --position; if not, push harder, or check the encoder",
         )
     elif motion.still:
         yield error(
@@ -75,7 +77,7 @@ def _swapped(record: Record, motion: Motion) -> bool:
     if not record.shared_clock or motion.span <= motion.force_span:
         return False
     jumps, changes = np.diff(record.position), np.diff(record.force)
-    steady = np.count_nonzero(jumps) <= _JUMPS * jumps.size
+    steady = np.count_nonzero(jumps) <= _JUMPS * jumps.size and np.unique(record.position).size >= _LEVELS
     moves = np.count_nonzero(changes) >= 10 * np.count_nonzero(jumps)
     return bool(steady and moves and np.max(np.abs(changes)) < motion.force_span / 5.0)
 

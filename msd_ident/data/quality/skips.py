@@ -5,7 +5,6 @@ At each loss the readings go on further ahead, in the direction of the motion an
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -20,8 +19,6 @@ from msd_ident.data.record import Record
 _FEWEST = 4
 #: Part of all such steps that must go ahead: those of an encoder that slips go both ways.
 _AHEAD = 0.9
-#: A cart that moves in the samples beside a step does so by this many times the noise.
-_MOVES = 3.0
 #: Samples that one loss may hold: what goes further is another thing, as a cart that breaks away.
 _LEAST, _MOST = 0.5, 50.0
 
@@ -31,12 +28,15 @@ def lost_time(record: Record, motion: Motion) -> Iterator[Finding]:
     places, noise = sudden(record), noise_of(record)
     if motion.still or places.index.size < _FEWEST:
         return
-    slowest = _MOVES * max(noise.floor, 0.5 * noise.step) / math.sqrt(record.samples)
+    slowest = max(noise.floor, 0.5 * noise.step)  # three times what noise makes of the mean of the six steps beside
     index, size, usual = (value[np.abs(places.usual) > slowest] for value in (places.index, places.size, places.usual))
     told = (record.time[index] - record.time[index - 1]) / record.period
     lost = size / usual + 1.0 - told
-    ahead = (lost > _LEAST) & (lost < _MOST)
+    held = record.position[index - 1] == record.position[index - 2]  # readings that were held catch up, and lost none
+    ahead = (lost > _LEAST) & (lost < _MOST) & ~held
     if np.count_nonzero(ahead) < max(_FEWEST, _AHEAD * places.index.size):
+        return
+    if np.unique(np.sign(usual[ahead])).size < 2:  # one way, an uneven scale does the same
         return
     yield warning(
         "lost_time",
