@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from msd_ident.data.quality.cleaning import jump_at, sudden
+from msd_ident.data.quality.cleaning import sudden
 from msd_ident.data.quality.sampling import SHORT_GAP
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate import FitResult
@@ -37,12 +37,12 @@ class Push:
     Attributes:
         time: of its peak [s].
         impulse: of the force [N·s], with the sign of the position; NaN of one that pushes to and fro.
-        one_way: False where the readings moved, and the speed did not.
+        jump: how far the readings moved at once [m], where they did and the speed did not; else 0.
     """
 
     time: float
     impulse: float
-    one_way: bool = True
+    jump: float = 0.0
 
 
 def pushes(
@@ -174,11 +174,10 @@ def sentences(records: Sequence[Record], fitted: FitResult, noise: float) -> tup
     for record, residual, initial in zip(records, fitted.residuals, fitted.initial, strict=True):
         for push in pushes(record, fitted.model, noise, initial.zero, residual):
             where = f" of {record.name}" if len(records) > 1 else ""
-            if not push.one_way:
-                moved = jump_at(record, push.time)
+            if push.jump:
                 said.append(
-                    f"The readings move by about {moved:.2g} {record.position_unit} at {push.time:.3f} s{where} while "
-                    "the speed stays, as no push makes them: the encoder slipped or missed counts, or its scale is "
+                    f"The readings move by about {push.jump:.2g} {record.position_unit} at {push.time:.3f} s{where} "
+                    "while the speed stays, as no push makes them: the encoder slipped or missed counts, or its scale is "
                     "uneven there, or samples were lost that the stamps do not show. It makes the parameters wrong: "
                     "check cable and coupling, or leave this part out with --start or --end."
                 )
@@ -202,5 +201,6 @@ def _push(record: Record, found: _Unexplained, begin: int, end: int) -> Push:
     )
     if not found.exact or abs(impulse) > MOST_OF * both_ways:
         return Push(peak, impulse)
-    steps = sudden(record).index  # a push to and fro takes the cart there on the way
-    return Push(peak, math.nan, not np.any((steps >= begin - _LATE) & (steps <= end + _LATE)))
+    steps = sudden(record)  # a push to and fro takes the cart there on the way
+    here = steps.size[(steps.index >= begin - _LATE) & (steps.index <= end + _LATE)]
+    return Push(peak, math.nan, max(here.tolist(), key=abs, default=0.0))

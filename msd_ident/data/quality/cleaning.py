@@ -29,6 +29,8 @@ _JUMP_NOISE, _JUMP_STEPS, _JUMP_BENDS, _MOST_JUMPS = 14.0, 8.0, 2.5, 3
 _WITH_FORCE, _ALIKE, _MOST_STEPS = 0.1, 0.2, 20
 #: Samples to each side from which speed and size of a jump are estimated.
 _SIDE = 10
+#: Steps to each side that a sudden one is compared with.
+_BESIDE = 3
 
 
 @dataclass(frozen=True)
@@ -175,7 +177,7 @@ class Sudden:
 
 def sudden(record: Record) -> Sudden:
     """Steps far beyond those around them, which do not change the speed."""
-    position, reach = record.position, 3
+    position, reach = record.position, _BESIDE
     if position.size < 4 * _SIDE:
         return Sudden(np.zeros(0, dtype=np.intp), np.zeros(0), np.zeros(0), 0.0)
     steps = np.diff(position)
@@ -203,11 +205,11 @@ def _jumps(record: Record) -> tuple[Jump, ...]:
     found = [int(i) for i in places.index]
     if not 0 < len(found) <= _MOST_JUMPS:
         return ()
-    steps, reach, least = np.diff(record.position), 3, places.least
+    steps, least = np.diff(record.position), places.least
     # The force may do the same to a cart that is read seldom: its steps show what acceleration can do elsewhere.
     bends = np.abs(np.diff(steps))
     for index in found:
-        bends[max(index - reach - 2, 0) : index + reach] = 0.0
+        bends[max(index - _BESIDE - 2, 0) : index + _BESIDE] = 0.0
     least = max(least, _JUMP_BENDS * float(np.max(bends)))
     sizes = ((index, _size(record, index)) for index in found)
     return tuple(Jump(i, size) for i, size in sizes if abs(size) > least and not _with_force(record, i, size))
@@ -230,13 +232,6 @@ def _with_force(record: Record, index: int, size: float) -> bool:
     others = others[(np.abs(others - index) > _SIDE) & (others > _SIDE) & (others < force.size - _SIDE)][:_MOST_STEPS]
     alike = [_size(record, int(i)) / float(steps[i - 1]) for i in others]
     return not alike or abs(float(np.median(alike)) - size / step) < 0.5 * abs(size / step)
-
-
-def jump_at(record: Record, instant: float) -> float:
-    """How far the readings move beside their usual course at an instant [s], within a sample."""
-    here = int(np.searchsorted(record.time, instant))
-    indices = range(max(here - _LONGEST_RUN, 1), min(here + _LONGEST_RUN + 1, record.samples))
-    return max((_size(record, index) for index in indices), key=abs)
 
 
 def _size(record: Record, index: int) -> float:
