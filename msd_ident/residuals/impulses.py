@@ -177,8 +177,8 @@ def sentences(records: Sequence[Record], fitted: FitResult, noise: float) -> tup
             if push.jump:
                 said.append(
                     f"The readings move by about {push.jump:.2g} {record.position_unit} at {push.time:.3f} s{where} "
-                    "while the speed stays, as no push makes them: the encoder slipped or missed counts, or its scale is "
-                    "uneven there, or samples were lost that the stamps do not show. It makes the parameters wrong: "
+                    "while the speed stays, as no push makes them: the encoder slipped or missed counts, or its scale "
+                    "is uneven there, or samples were lost that the stamps do not show. It makes the parameters wrong: "
                     "check cable and coupling, or leave this part out with --start or --end."
                 )
                 continue
