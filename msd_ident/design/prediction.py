@@ -13,7 +13,7 @@ from msd_ident import seeds
 from msd_ident.data import quality
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.design.profile import Profile
-from msd_ident.estimate.effort import A_SWING, FEWEST_READINGS, SAMPLES
+from msd_ident.estimate.effort import A_SWING, FEWEST_READINGS, SAMPLES, SLACK
 from msd_ident.estimate.problem import Initial
 from msd_ident.model import Simulator
 from msd_ident.selection.candidate_models import CandidateModel
@@ -199,7 +199,9 @@ class Predictor:
         upper = np.array([self.contender.model.parameters[i].upper for i in self.places])
         return np.asarray(np.where(self.point + steps > upper, -steps, steps))
 
-    def readings(self, on: Record, points: FloatArray, start: FloatArray, velocity: float = 0.0) -> FloatArray:
+    def readings(
+        self, on: Record, points: FloatArray, start: FloatArray, velocity: float = 0.0, slack: float = 1.0
+    ) -> FloatArray:
         """Simulated readings (q, n) [m] for several points.
 
         Args:
@@ -207,17 +209,18 @@ class Predictor:
             points: (q, p) values of the free parameters.
             start: (q, 2) start position from the relaxed spring, and zero [m].
             velocity: at the start [m/s], the same for all.
+            slack: of the simulation, see ``Simulator``.
         """
         model = self.contender.model
         values = np.repeat(model.values[None, :], len(points), axis=0)
         values[:, self.places] = points
-        rows = Simulator(model, on).positions_many(values, start[:, 0], np.full(len(points), velocity))
+        rows = Simulator(model, on, slack).positions_many(values, start[:, 0], np.full(len(points), velocity))
         return np.asarray(np.nan_to_num(rows + start[:, 1:], nan=1e6, posinf=1e6, neginf=-1e6))
 
     def positions(self, on: Record) -> FloatArray:
         """Readings (n,) [m] at the fitted values."""
         start = np.array([[self.start.position, self.start.zero]])
-        return np.asarray(self.readings(on, self.point[None, :], start)[0])
+        return np.asarray(self.readings(on, self.point[None, :], start, slack=SLACK)[0])
 
     def drawn(self, on: Record, count: int = LEADERS) -> FloatArray:
         """Readings (1 + count, n) [m] at the fitted values, and at the first draws within their bounds.
@@ -229,7 +232,8 @@ class Predictor:
         owned = [self.contender.model.parameters[i] for i in self.places]
         points = np.clip(self.point + self.draws[:count], [one.lower for one in owned], [one.upper for one in owned])
         start = np.array([[self.start.position, self.start.zero]])
-        return self.readings(on, np.vstack([self.point, points]), np.repeat(start, 1 + count, axis=0))
+        every = np.repeat(start, 1 + count, axis=0)
+        return self.readings(on, np.vstack([self.point, points]), every, slack=SLACK)
 
     def linearised(
         self, on: Record, point: FloatArray, start: FloatArray, velocity: float = 0.0

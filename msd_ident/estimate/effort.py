@@ -25,6 +25,12 @@ A_SWING = tuned(
 )
 #: Fewest samples that a thinned record or a prediction keeps: those of the fewest swings that make a statistic.
 FEWEST_READINGS = round(FEWEST * A_SWING)
+SLACK = fixed(
+    100.0,
+    "accuracy",
+    "factor on the errors of steps far from the noise, or where a plan is looked at: 1e-5 of the motion each; "
+    "simulations of measured records take 0.4 to 0.9 of the time, and change chi² by 1e-4 of it at most",
+)
 LONG_RECORD = fixed(
     200_000,
     "resources",

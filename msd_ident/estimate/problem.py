@@ -6,6 +6,7 @@ record, its own initial position, initial velocity and zero where these are free
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -268,17 +269,22 @@ class Problem:
         """Samples of a record of which a thinned one keeps one."""
         return int(2.0 * np.pi * self.typical.time / (A_SWING * record.period))
 
+    @property
+    def _step(self) -> float:
+        """Effect of a finite-difference step, as a part of the motion: above the errors that simulations may have."""
+        return RELATIVE_STEP * math.sqrt(self.simulators[0].slack)
+
     def first_steps(self) -> FloatArray:
         """Finite-difference steps (p,) before anything is known about the Jacobian: far within the bounds."""
         room = self.upper - self.lower
-        return RELATIVE_STEP * np.where(room > 0.0, np.minimum(self.scale, room), self.scale)
+        return self._step * np.where(room > 0.0, np.minimum(self.scale, room), self.scale)
 
     def steps(self, matrix: FloatArray) -> FloatArray:
-        """Steps that move the positions by ``RELATIVE_STEP`` of the motion, from the last Gauss–Newton matrix."""
+        """Steps that move the positions by ``_step`` of the motion, from the last Gauss–Newton matrix."""
         samples = sum(record.samples for record in self.records)
         effect = np.sqrt(np.maximum(matrix.diagonal(), 1e-300) / samples)
         first = self.first_steps()
-        steps = RELATIVE_STEP * self.typical.length / effect
+        steps = self._step * self.typical.length / effect
         return np.asarray(np.minimum(np.maximum(steps, first / NATURAL_RANGE), NATURAL_RANGE * first))
 
     def imbalance(self, vector: FloatArray, balance: RestConstraint) -> tuple[float, FloatArray]:

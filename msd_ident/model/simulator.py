@@ -52,11 +52,17 @@ class Simulator:
 
     Calls are thread-safe and release the GIL. ``values`` are in the order of ``model.names``; values of the
     model itself are not used. Each call asks first whether the work should stop (``msd_ident.cancellation``).
+
+    Args:
+        model: plant and effects.
+        record: gives force and stamps, and the readings of ``residuals``.
+        slack: factor on the errors that steps of nonlinear laws may have.
     """
 
-    def __init__(self, model: Model, record: Record) -> None:
+    def __init__(self, model: Model, record: Record, slack: float = 1.0) -> None:
         self.model = model
         self.record = record
+        self.slack = slack
         self._bits = places.bits(*model.effect_names)
         self._place: IntArray = np.array([places.INDEX[name] for name in model.names], dtype=np.int64)
         self._plan = solver.plan(record)
@@ -105,7 +111,7 @@ class Simulator:
     def _simulated(self, rows: FloatArray, measured: tuple[FloatArray, FloatArray, float, float]) -> FloatArray:
         cancellation.raise_if_cancelled()
         out: FloatArray = np.empty((rows.shape[0], self.record.samples))
-        solver.run((self._bits, self._place), rows, self._plan, measured, (out, out[:, :0]))
+        solver.run((self._bits, self._place), rows, self._plan, (*measured, self.slack), (out, out[:, :0]))
         return out
 
     def trajectory(
@@ -115,7 +121,7 @@ class Simulator:
         cancellation.raise_if_cancelled()
         row = self._rows(np.asarray(values, dtype=np.float64)[None, :], initial_position, initial_velocity)
         x, v = np.empty((1, self.record.samples)), np.empty((1, self.record.samples))
-        solver.run((self._bits, self._place), row, self._plan, _NOT_COMPARED, (x, v))
+        solver.run((self._bits, self._place), row, self._plan, (*_NOT_COMPARED, self.slack), (x, v))
         return Trajectory(self.record.time, x[0], v[0], self.record.force_at(self.record.time))
 
 

@@ -24,7 +24,7 @@ _GIVEN = (_REAL, _REAL, _REAL, "b1")
 _plan = LIBRARY.function("plan", _GIVEN, _PARTS, _WHOLE, _REAL)
 #: See ``kernel.entries.run``; model, rows, plan, measured, out.
 run = LIBRARY.function(
-    "run", ("i8", _WHOLE), "f8[:,:]", (*_GIVEN, *_PARTS, "f8"), (_REAL, _REAL, "f8", "f8"), ("f8[:,:]", "f8[:,:]")
+    "run", ("i8", _WHOLE), "f8[:,:]", (*_GIVEN, *_PARTS, "f8"), (_REAL, _REAL, "f8", "f8", "f8"), ("f8[:,:]", "f8[:,:]")
 )
 
 

@@ -1,4 +1,4 @@
-"""Search on a part of the data first (thinned samples, a section, averaged forces); refine and judge the leaders on all
+"""Search on a part of the data first (thinned samples, a section, coarse steps); refine and judge the leaders on all
 data.
 """
 
@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 
 from msd_ident.estimate.effort import A_SWING, KEPT, SAMPLES
 from msd_ident.estimate.levels import MOST_OF, TENTH
@@ -34,8 +35,8 @@ def search(
 ) -> Ranking:
     """Search for sets of causes on thinned samples, then refine and judge the leading sets on all samples.
 
-    A set that is far behind on a part of the data is further behind on all of it. If the part was simulated with the
-    mean force between its few samples, a cause may have helped only against the error of that; so simpler sets are
+    A set that is far behind on a part of the data is further behind on all of it. If the part was simulated with
+    lines of force between its few samples, a cause may have helped only against the error of that; so simpler sets are
     judged on all samples too. The search goes on with all samples if these show a misfit that the part does not show,
     or if the part cannot tell.
 
@@ -156,36 +157,36 @@ def _simpler(ahead: Ranking) -> list[Hypothesis]:
 
 
 def _coarser(thin: Experiment, friction: Hypothesis, left: float) -> tuple[Experiment, Callable[[Hypothesis], bool]]:
-    """Mean forces between samples, if that spares most steps and changes little of what the model with friction leaves.
+    """Longer steps, and lines of force between samples where that spares most of them, far from the noise.
 
     Args:
         thin: thinned samples.
-        friction: the model with Coulomb friction.
+        friction: the model with Coulomb friction, of whose misfit they may change little.
         left: chi² that this model leaves, for each piece of evidence.
 
     Returns:
-        The experiment to search on, and whether a set fitted there leaves so little that the error of mean forces hides
-        the rest.
+        The experiment to search on, and whether a set fitted there leaves so little that their error hides the rest.
     """
-    coarse = thin.with_mean_force()
-    spares = _forces(coarse) < MOST_OF * _forces(thin)
-    if spares and left > FAR and _change(thin, coarse, friction) < TENTH**2 * left * thin.evidence:
-        return coarse, lambda fitted: _change(thin, coarse, fitted) > MOST_OF**2 * fitted.chi
+    spares = sum(one.samples for one in thin.records) < MOST_OF * sum(one.force.size for one in thin.records)
+    for coarse in (thin.with_force_lines().loose(), thin.loose()) if spares else (thin.loose(),):
+        if left > FAR and _change(thin, coarse, friction) < TENTH**2 * left * thin.evidence:
+            return coarse, partial(_is_blurred, thin, coarse)
     return thin, lambda fitted: False
 
 
-def _forces(experiment: Experiment) -> int:
-    return sum(record.force.size for record in experiment.records)
+def _is_blurred(thin: Experiment, coarse: Experiment, fitted: Hypothesis) -> bool:
+    """Whether the error of a coarse simulation hides what a set leaves."""
+    return _change(thin, coarse, fitted) > MOST_OF**2 * fitted.chi
 
 
 def _change(thin: Experiment, coarse: Experiment, fitted: Hypothesis) -> float:
-    """Chi² of what mean forces change of a model's motion."""
-    exact, mean = (one.problem(fitted.model) for one in (thin, coarse))
+    """Chi² of what coarse simulations change of a model's motion."""
+    exact, rough = (one.problem(fitted.model) for one in (thin, coarse))
     values = dict(zip(fitted.model.names, fitted.model.values.tolist(), strict=True))
     # Fewer samples may show otherwise whether a record begins at rest: the entries of the vector differ then.
-    points = [problem.vector(values, fitted.initial) for problem in (exact, mean)]
+    points = [problem.vector(values, fitted.initial) for problem in (exact, rough)]
     parts = enumerate(thin.readings)
-    return sum(part.chi(exact.residual(points[0], r) - mean.residual(points[1], r)) for r, part in parts)
+    return sum(part.chi(exact.residual(points[0], r) - rough.residual(points[1], r)) for r, part in parts)
 
 
 def _searching(

@@ -12,12 +12,12 @@ from msd_ident.data.record import FloatArray, Record
 from msd_ident.data.turns import turned_away
 from msd_ident.estimate import resolution
 from msd_ident.estimate.broyden import Weighting
-from msd_ident.estimate.effort import A_SWING, FEWEST_READINGS
+from msd_ident.estimate.effort import A_SWING, FEWEST_READINGS, SLACK
 from msd_ident.estimate.formulation import formulate
 from msd_ident.estimate.parameter_units import Magnitudes, magnitudes
 from msd_ident.estimate.posing import build
 from msd_ident.estimate.problem import Initial, Nuisance, Problem
-from msd_ident.model import Model
+from msd_ident.model import Model, Simulator
 from msd_ident.model.declarations import RecordScales
 from msd_ident.model.effects import LIBRARY, by_name
 from msd_ident.residuals.noise_model import NOISE_ERROR, Readings
@@ -41,6 +41,7 @@ class Experiment:
         begun: whether the records are copies, and the search begins with sets that were fitted to the measured ones.
         led: whether a controller leads the motion, or force and motion are a single tone: then laws that need no force
             may follow it.
+        slack: factor on the errors that steps of the simulations may have.
     """
 
     readings: tuple[Readings, ...]
@@ -50,6 +51,7 @@ class Experiment:
     asked: frozenset[str] | None = None
     begun: bool = False
     led: bool = False
+    slack: float = 1.0
 
     @property
     def evidence(self) -> float:
@@ -86,9 +88,13 @@ class Experiment:
             parts.append(_stretch(part.thinned(max(own, fewest)), own))
         return replace(self, readings=tuple(parts))
 
-    def with_mean_force(self) -> Experiment:
-        """The same experiment with one force, the mean, between any two samples; its simulation takes fewer steps."""
-        return replace(self, readings=tuple(part.with_mean_force() for part in self.readings))
+    def with_force_lines(self) -> Experiment:
+        """The same experiment with one line of force between any two samples; its simulation takes fewer steps."""
+        return replace(self, readings=tuple(part.with_force_lines() for part in self.readings))
+
+    def loose(self) -> Experiment:
+        """The same experiment, simulated in longer steps."""
+        return replace(self, slack=SLACK)
 
     @property
     def records(self) -> tuple[Record, ...]:
@@ -172,6 +178,8 @@ class Experiment:
         """
         fixed = self.fixed | held | switched_off(model)
         problem = build(model, self.records, fixed, self.nuisances(model), self.typical)
+        if self.slack > 1.0:
+            problem = replace(problem, simulators=tuple(Simulator(model, one, self.slack) for one in self.records))
         own = resolution.of_laws(map(type, model.effects), self.scales)
         return resolution.within(problem, self._ranges | own)
 

@@ -8,6 +8,8 @@ import numpy as np
 
 from msd_ident.data.record import Record
 from msd_ident.model import Plant, Simulator
+from msd_ident.model.effects.coulomb_friction import CoulombFriction
+from msd_ident.model.effects.cubic_spring import CubicSpring
 from msd_ident.model.effects.gravity import Gravity
 
 TIME = np.arange(400) / 200.0
@@ -42,3 +44,17 @@ def test_a_joint_that_spins_beyond_reach_is_given_up() -> None:
     np.testing.assert_array_equal(left[~beyond], followed[~beyond])
     first = int(np.argmax(beyond))
     assert np.all(left[first + 1 :] == 1e6)
+
+
+def test_slack_makes_longer_steps_whose_errors_stay_small() -> None:
+    """A stiff cubic spring in a decay: the error grows with what a step may have, and stays a part of it."""
+    model = Plant(1.0, 0.5, 400.0) + CubicSpring(4e6)
+    exact = Simulator(model, RECORD, slack=1e-3).positions(model.values, 0.01)
+    fine, rough = (Simulator(model, RECORD, slack).positions(model.values, 0.01) - exact for slack in (1.0, 100.0))
+    assert 10.0 * np.max(np.abs(fine)) < np.max(np.abs(rough)) < 1e-4 * np.max(np.abs(exact))
+
+
+def test_slack_changes_nothing_where_the_motion_is_exact() -> None:
+    model = MODEL + CoulombFriction(0.1)
+    one, other = (Simulator(model, RECORD, slack).positions(model.values, 0.01) for slack in (1.0, 100.0))
+    np.testing.assert_array_equal(one, other)

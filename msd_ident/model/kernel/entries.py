@@ -50,5 +50,5 @@ def run(model, rows, plan, measured, out):
     """
     out_x, out_v = out
     for i in range(rows.shape[0]):
-        kernel.row(model, rows[i], plan, measured[3], Path(out_x[i], out_v[i]))
+        kernel.row(model, rows[i], plan, measured[3:], Path(out_x[i], out_v[i]))
         kernel.compare(rows[i], measured, out_x[i])

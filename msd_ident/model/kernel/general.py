@@ -286,9 +286,19 @@ def _held(run, j, segments, progress, path):
     return j, Progress(state, s, i, longest, budget)
 
 
+@inlined
+def _tolerances(far, fast):
+    """Accepted errors of steps beside a motion of this size [m], [m/s]."""
+    return Tolerances(TOLERANCE4 * far, TOLERANCE4 * fast, TOLERANCE5 * far, TOLERANCE5 * fast, TOLERANCE_ADAMS * fast)
+
+
 @joined
-def run_of(world, spring, scales, reach):
-    """What stays the same during a run; ``scales``: sizes of the motion that errors are compared with."""
+def run_of(world, spring, scales, allowed):
+    """What stays the same during a run.
+
+    ``scales``: sizes of the motion that errors are compared with; ``allowed``: see ``run.row``.
+    """
+    reach, slack = allowed
     active, far, fast = world.cart.active, scales.x, scales.v
     return Run(
         world,
@@ -298,7 +308,7 @@ def run_of(world, spring, scales, reach):
         (active & places.QUICK_BITS) != 0,
         (active & (places.QUICK_BITS | places.SPEED_BITS)) != 0,
         min(1e12 * far, reach),
-        Tolerances(TOLERANCE4 * far, TOLERANCE4 * fast, TOLERANCE5 * far, TOLERANCE5 * fast, TOLERANCE_ADAMS * fast),
+        _tolerances(slack * far, slack * fast),
     )
 
 

@@ -60,14 +60,15 @@ def plan(time, force_time, force, straight):
 
 
 @joined
-def row(model, values, plan, reach, out):
+def row(model, values, plan, allowed, out):
     """Simulate one parameter vector.
 
     Args:
         model: set of its effects, see ``places.BIT``, and (p,) where each of its parameters stands in ``places.INDEX``.
         values: (p + 3,) the model's parameters, then position [m] and velocity [m/s] at the first sample, and the zero.
         plan: the record and what ``plan`` made of it, see ``simulator.Simulator``.
-        reach: distance [m] from where it begins at which the general path gives the motion up.
+        allowed: distance [m] from where it begins at which the general path gives the motion up, and factor on the
+            errors that its steps may have.
         out: ``Path`` for the readings of the positions, NaN from where the motion leaves all bounds, and velocities.
     """
     bits, place = model
@@ -101,7 +102,7 @@ def row(model, values, plan, reach, out):
     arriving = cut
     if bits & ~places.EXACT_BITS:
         scales = _scales(Linear(m, b, k), time, largest, motion)
-        general(run_of(world, spring, scales, reach), cut, motion, path)
+        general(run_of(world, spring, scales, allowed), cut, motion, path)
     else:
         kinetic, hold = 0.0, 0.0
         if bits & places.DRY_BITS:
@@ -123,10 +124,10 @@ def compare(values, measured, readings):
     Args:
         values: (p + 3,) of ``row``; the last one is the zero [m].
         measured: positions (n,) [m] or (0,), roots (n,) of the weights or (0,) for 1 each, the largest size of an
-            error [m]: a simulation that diverges counts as this, and the ``reach`` of ``row``.
+            error [m]: a simulation that diverges counts as this, and what ``row`` is ``allowed``.
         readings: (n,) [m], changed in place.
     """
-    position, root, worst, _ = measured
+    position, root, worst, _, _ = measured
     zero = values[-1]
     for j in range(position.size):
         error = readings[j] - position[j]
