@@ -33,7 +33,14 @@ class SetupError(MsdError):
     """Change the installation: something that this needs is not there."""
 
 
+class Interrupted(MsdError):
+    """Nothing to change: Ctrl-C ended the work; what is kept of it, and how to go on."""
+
+    def __init__(self, kept: str = "") -> None:
+        super().__init__(f"interrupted; {kept}" if kept else "interrupted")
+
+
 def fail(error: MsdError) -> int:
-    """Print the error's one line to stderr; return the exit code."""
+    """Print the error's one line to stderr; return the exit code: 2, and 130 after Ctrl-C."""
     print(f"msd: {error}", file=sys.stderr)
-    return 2
+    return 130 if isinstance(error, Interrupted) else 2

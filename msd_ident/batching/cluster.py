@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import logging
 import os
+import signal
+import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
+from multiprocessing import resource_tracker
+from types import FrameType
 from typing import TYPE_CHECKING
 
 from msd_ident.batching.code import code_version
@@ -13,7 +17,7 @@ from msd_ident.batching.needs import library
 from msd_ident.errors import MsdError, SetupError, UsageError
 
 if TYPE_CHECKING:
-    from distributed import Client
+    from distributed import Client, LocalCluster
 
 #: How long a scheduler may take to answer, and a cluster to show a worker [s].
 ANSWER_SECONDS, WORKER_SECONDS = 10.0, 30.0
@@ -56,19 +60,55 @@ def this_machine(workers: int = 0) -> Iterator[Client]:
     if workers < 0:
         raise UsageError(f"{workers} workers; expected at least 1, or 0 for one a core")
     count = workers or len(os.sched_getaffinity(0))
-    with quiet(), library("dask").config.set(FEW_INTERRUPTIONS):
-        try:
-            cluster = distributed.LocalCluster(
-                n_workers=count, threads_per_worker=1, processes=True, silence_logs=logging.CRITICAL,
-                dashboard_address="127.0.0.1:0", host="127.0.0.1",
-            )  # fmt: skip
-        except (OSError, RuntimeError, TimeoutError) as error:
-            raise SetupError(
-                f"{count} worker processes did not start ({_line(error)}); expected memory and ports for them: give "
-                "fewer with --workers"
-            ) from None
-        with cluster, distributed.Client(cluster) as client:
-            yield client
+    with quiet(), library("dask").config.set(FEW_INTERRUPTIONS), ExitStack() as ends:
+        with uninterrupted():
+            try:
+                cluster = distributed.LocalCluster(
+                    n_workers=count, threads_per_worker=1, processes=True, silence_logs=logging.CRITICAL,
+                    dashboard_address="127.0.0.1:0", host="127.0.0.1",
+                )  # fmt: skip
+            except (OSError, RuntimeError, TimeoutError) as error:
+                raise SetupError(
+                    f"{count} worker processes did not start ({_line(error)}); expected memory and ports for them: "
+                    "give fewer with --workers"
+                ) from None
+            ends.callback(_close, cluster)
+            client = distributed.Client(cluster)
+            ends.callback(_close, client)
+        yield client
+
+
+@contextmanager
+def uninterrupted() -> Iterator[None]:
+    """A Ctrl-C in the block is raised at its end, and processes that are begun in it never hear one.
+
+    Dask cannot be stopped while it starts its processes or ends them. The terminal sends Ctrl-C to its workers too,
+    which have nothing to say about it: the process that began them ends them.
+    """
+    usual = signal.getsignal(signal.SIGINT)
+    if threading.current_thread() is not threading.main_thread() or usual is None:
+        yield  # only the main thread is interrupted
+        return
+    came: list[int] = []
+
+    def note(number: int, frame: FrameType | None) -> None:
+        came.append(number)
+
+    resource_tracker.ensure_running()  # its start, else within the block, lets signals through again
+    signal.signal(signal.SIGINT, note)
+    heard = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # threads and processes of the block inherit it
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, heard)
+        signal.signal(signal.SIGINT, usual)
+        if came:
+            signal.raise_signal(signal.SIGINT)
+
+
+def _close(opened: LocalCluster | Client) -> None:
+    with uninterrupted():
+        opened.close()
 
 
 def connect(address: str, patience: float = ANSWER_SECONDS) -> Client:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from msd_ident.cli import groups, many_records, options, progress, results
-from msd_ident.errors import DataError, UsageError
+from msd_ident.errors import DataError, Interrupted, UsageError
 
 if TYPE_CHECKING:
     from msd_ident.batching.batch import Plan
@@ -76,7 +76,7 @@ def batch(
 
 
 def _run(paths: Sequence[str], job: Job, plan: Plan, output: results.Output, batching: many_records.Batching) -> int:
-    """Run the batch and say how it went; exit code 0, whatever single records are like, or 130 after Ctrl-C."""
+    """Run the batch and say how it went; exit code 0, whatever single records are like."""
     from msd_ident.batching import batch as batches
 
     try:
@@ -86,8 +86,7 @@ def _run(paths: Sequence[str], job: Job, plan: Plan, output: results.Output, bat
         ):
             table, this = batches.run(paths, job, link, replace(plan, progress=tell))
     except KeyboardInterrupt:
-        print(f"msd: interrupted; {_kept(plan.out)}", file=sys.stderr)
-        return 130
+        raise Interrupted(_kept(plan.out)) from None
     failed = sum(error is not None for error in table.column("error").to_pylist())
     if not output.quiet:
         print(f"{plan.out}: {table.num_rows} rows, {failed} with an error, {this.reused} records done before")

@@ -1,19 +1,20 @@
-"""The ``msd`` command: one file a subcommand, errors in one line, exit code 0 or 2."""
+"""The ``msd`` command: one file a subcommand, errors in one line, exit code 0 or 2, 130 after Ctrl-C."""
 
 from __future__ import annotations
 
 import atexit
+import functools
 import gc
 import importlib
 import sys
-from collections.abc import Sequence
-from typing import Annotated
+from collections.abc import Callable, Sequence
+from typing import Annotated, Any
 
 import typer
 
 from msd_ident import parallel
 from msd_ident.cli.interruption import send_lost_signals_again
-from msd_ident.errors import MsdError, UsageError, fail
+from msd_ident.errors import Interrupted, MsdError, UsageError, fail
 
 #: Subcommands: each is a module of this package with a function of the same name.
 COMMANDS = (
@@ -65,8 +66,21 @@ def _register(names: Sequence[str] = COMMANDS) -> None:
             if missing.name != f"msd_ident.cli.{name}":
                 raise
             continue
-        app.command(name=name)(getattr(module, name))
+        app.command(name=name)(_said(getattr(module, name)))
     app.registered_commands.sort(key=lambda command: COMMANDS.index(command.name or ""))
+
+
+def _said(command: Callable[..., int]) -> Callable[..., int]:
+    """The command whose Ctrl-C is said in a line; typer ends without a word."""
+
+    @functools.wraps(command)
+    def run(*args: Any, **kwargs: Any) -> int:
+        try:
+            return command(*args, **kwargs)
+        except KeyboardInterrupt:
+            raise Interrupted from None
+
+    return run
 
 
 def main() -> int:
@@ -81,7 +95,7 @@ def main() -> int:
     except MsdError as error:
         return fail(error)
     except KeyboardInterrupt:  # before typer runs, which handles it
-        return 130
+        return fail(Interrupted())
     except typer.Abort:
         return fail(UsageError("interrupted"))
     except Exception as error:

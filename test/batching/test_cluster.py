@@ -96,3 +96,48 @@ def test_a_worker_that_dies_costs_no_row(tmp_path: Path, monkeypatch: pytest.Mon
     assert found[str(tmp_path / "mark")].result == "done"
     assert "every worker that took it died, 2 times over" in always.error
     assert "give fewer workers" in always.error
+
+
+INTERRUPTED = """
+import os, signal, sys
+import distributed
+from msd_ident.batching import cluster
+
+def interrupt():
+    os.killpg(0, signal.SIGINT)  # as a terminal does: the workers too
+
+place, start, close = sys.argv[1], distributed.Nanny.start_unsafe, distributed.LocalCluster.close
+
+async def starting(nanny):
+    interrupt()
+    return await start(nanny)
+
+def closing(*given, **named):
+    interrupt()
+    return close(*given, **named)
+
+def main():
+    if place == "start":
+        distributed.Nanny.start_unsafe = starting
+    if place == "end":
+        distributed.LocalCluster.close = closing
+    try:
+        with cluster.this_machine(1) as client:
+            assert client.run(os.getpid)
+            if place == "work":
+                interrupt()
+    except KeyboardInterrupt:
+        print("interrupted", {one.status.name for one in distributed.LocalCluster._instances})
+
+if __name__ == "__main__":
+    main()
+"""
+
+
+@pytest.mark.parametrize("place", ["start", "work", "end"])
+def test_a_ctrl_c_waits_for_dask_and_its_workers_never_hear_it(place: str, tmp_path: Path) -> None:
+    """An interrupted start left a cluster that could not be closed; interrupted workers printed tracebacks."""
+    (tmp_path / "script.py").write_text(INTERRUPTED)
+    command = [sys.executable, str(tmp_path / "script.py"), place]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120.0, start_new_session=True, cwd=tmp_path)
+    assert (done.stdout, done.stderr, done.returncode) == ("interrupted {'closed'}\n", "", 0)

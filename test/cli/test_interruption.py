@@ -53,7 +53,20 @@ def test_any_other_exception_there_is_still_printed() -> None:
     assert done.stdout.strip() == "lost" and "ZeroDivisionError" in done.stderr
 
 
-def test_a_command_that_is_interrupted_while_it_loads_ends_with_130_and_no_traceback() -> None:
+def test_a_command_that_is_interrupted_while_it_loads_ends_with_130_and_a_line() -> None:
     begun = "import signal, msd_ident.cli.main as m; m._register = lambda names: signal.raise_signal(signal.SIGINT)\n"
     done = run(begun + "raise SystemExit(m.main())")
-    assert (done.returncode, done.stdout, done.stderr) == (130, "", "")
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "msd: interrupted\n")
+
+
+@pytest.mark.parametrize("command", ["identify", "diagnose", "design", "simulate"])
+def test_a_command_that_is_interrupted_in_its_work_says_so(command: str) -> None:
+    begun = (
+        "import signal, sys, typer, msd_ident.cli.main as m\n"
+        "def command(): signal.raise_signal(signal.SIGINT)\n"
+        "m.importlib.import_module = lambda name: type('module', (), {name.split('.')[-1]: staticmethod(command)})\n"
+        "sys.argv[1:] = [WORD]\n"
+        "raise SystemExit(m.main())"
+    )
+    done = run(begun.replace("WORD", repr(command)))
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "msd: interrupted\n")
