@@ -11,13 +11,18 @@ from pathlib import Path
 from msd_ident.errors import SetupError
 
 
+def readable(text: str) -> str:
+    """Text that can be written as UTF-8: a byte of a file's name that is none becomes an escape of JSON."""
+    return text.encode(errors="backslashreplace").decode()
+
+
 def write_text(text: str, path: Path) -> None:
-    """Write text as UTF-8. What stands there stays as it is until all of the text is on the disk.
+    """Write text as UTF-8, as ``readable`` shows it. What stands there stays as it is until all text is on the disk.
 
     Raises:
         SetupError: the disk does not take it.
     """
-    write_files({path: text.encode()}, "a writable file")
+    write_files({path: readable(text).encode()}, "a writable file")
 
 
 def write_files(contents: Mapping[Path, bytes], expected: str = "a writable place") -> None:

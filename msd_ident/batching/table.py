@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 from msd_ident.batching.needs import library
 from msd_ident.batching.row import CAUSES, PARAMETERS, PLANT, SCHEMA, Row
 from msd_ident.errors import DataError, SetupError, UsageError
-from msd_ident.writing import writing_to
+from msd_ident.writing import readable, writing_to
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -56,7 +56,8 @@ def schema() -> pa.Schema:
 
 def made(rows: Sequence[Row]) -> pa.Table:
     """Rows as a table; a column that a row does not have is null in it, what is no column of ``schema`` is left out."""
-    return library("pyarrow").Table.from_pylist(list(rows), schema=schema())
+    shown = [{name: readable(one) if isinstance(one, str) else one for name, one in row.items()} for row in rows]
+    return library("pyarrow").Table.from_pylist(shown, schema=schema())
 
 
 def is_table(path: str) -> bool:

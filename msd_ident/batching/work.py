@@ -23,6 +23,7 @@ from msd_ident.errors import MsdError, SetupError
 from msd_ident.io import covariates, joints, read_all, source_of
 from msd_ident.io.joints import Joint
 from msd_ident.workflow import pipeline
+from msd_ident.writing import readable
 
 #: Writes a record's page: the diagnosis, the record's path, the file to write. Handed in, as pages know of rows.
 Draw = Callable[[Diagnosis, str, Path], None]
@@ -129,7 +130,7 @@ def page_name(path: str, part: str) -> str:
         path: of the record.
         part: of the record, such as a joint; may be empty.
     """
-    text = f"{path}\n{part}".encode()
+    text = readable(f"{path}\n{part}").encode()
     return f"{hashlib.sha256(text).hexdigest()[:16]}.html"
 
 

@@ -6,6 +6,7 @@ import atexit
 import functools
 import gc
 import importlib
+import io
 import sys
 from collections.abc import Callable, Sequence
 from typing import Annotated, Any
@@ -89,6 +90,7 @@ def main() -> int:
     gc.set_threshold(*_COLLECTOR)
     atexit.register(gc.freeze)  # see _COLLECTOR
     send_lost_signals_again()
+    _print_every_name()
     try:
         _register(sys.argv[1:2] if sys.argv[1:2] and sys.argv[1] in COMMANDS else COMMANDS)
         outcome = app(standalone_mode=False)
@@ -107,6 +109,12 @@ def main() -> int:
             return 2
         return fail(UsageError(_one_line(message())))
     return int(outcome or 0)
+
+
+def _print_every_name() -> None:
+    """A file's name that is no text of the terminal's encoding is printed with escapes."""
+    if isinstance(sys.stdout, io.TextIOWrapper) and sys.stdout.errors == "strict":
+        sys.stdout.reconfigure(errors="backslashreplace")
 
 
 def _one_line(text: str) -> str:

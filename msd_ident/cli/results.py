@@ -13,7 +13,7 @@ from typing import IO, TYPE_CHECKING, Any, cast
 
 from msd_ident.cli import options
 from msd_ident.errors import MsdError, UsageError
-from msd_ident.writing import write_text, writing_to
+from msd_ident.writing import readable, write_text, writing_to
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -171,7 +171,7 @@ def jsonable(value: Any) -> Any:
 
 def write(lines: Sequence[Mapping[str, Any]], output: Output) -> None:
     """One JSON object a line, to the file or to standard output, as ``output`` says."""
-    text = "".join(json.dumps(jsonable(line), ensure_ascii=False, allow_nan=False) + "\n" for line in lines)
+    text = "".join(readable(json.dumps(jsonable(line), ensure_ascii=False, allow_nan=False)) + "\n" for line in lines)
     if output.json == "-":
         lasting = _Lasting()
         lasting.write(text)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 import platform
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
@@ -91,7 +92,7 @@ def fingerprint(path: Path) -> tuple[int, str]:
     try:
         for file in sorted(p for p in path.rglob("*") if p.is_file()) if folder else [path]:
             if folder:
-                digest.update(str(file.relative_to(path)).encode() + b"\0")
+                digest.update(os.fsencode(file.relative_to(path)) + b"\0")
             with file.open("rb") as handle:
                 while block := handle.read(1 << 20):
                     size += len(block)

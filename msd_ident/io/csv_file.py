@@ -17,7 +17,7 @@ from msd_ident.io import constant_force, even_stamps, runs, time_unit, units
 from msd_ident.io.columns import TIME_NAMES, Columns, open_columns
 from msd_ident.io.source_options import SourceOptions
 from msd_ident.io.unsigned import signed
-from msd_ident.writing import write_text, writing_to
+from msd_ident.writing import readable, write_text, writing_to
 
 #: Headings that are taken without being named, the first that is there; those of a joint only with their unit, as a
 #: number without one is taken for newtons and metres.
@@ -86,7 +86,7 @@ def read_table(path: str | os.PathLike[str], options: SourceOptions) -> Record:
         hold_known=options.hold != "auto" or chosen.force is None,
         force_unit=f_unit,
         position_unit=x_unit,
-        name=Path(path).name + (f" run {options.run}" if options.run not in ("", runs.ALL) else ""),
+        name=readable(Path(path).name) + (f" run {options.run}" if options.run not in ("", runs.ALL) else ""),
         notes=tuple(notes),
     )
 

@@ -21,6 +21,7 @@ from msd_ident.io.message_fields import joint_names
 from msd_ident.io.signal_choice import Source, choose_force, choose_position
 from msd_ident.io.source_options import SourceOptions
 from msd_ident.io.topics import RawMessage
+from msd_ident.writing import readable
 
 #: Entries of a bag's custom data that give the units of /msd/force and /msd/encoder; newtons and metres without.
 FORCE_UNIT, POSITION_UNIT = "msd_force_unit", "msd_position_unit"
@@ -263,4 +264,4 @@ def _missing_in_sequence(batches: Iterable[tuple[int, int]]) -> tuple[int, int]:
 
 
 def _name(path: Path) -> str:
-    return path.name or path.resolve().name
+    return readable(path.name or path.resolve().name)
