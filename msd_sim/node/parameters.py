@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import pairwise
 from typing import Any
 
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
@@ -79,6 +80,31 @@ def declare(node: Node) -> dict[str, Any]:
     return {name: node.get_parameter(name).value for name in declared}
 
 
+def check_given(node: Node, arguments: Sequence[str]) -> None:
+    """Refuse a number of the command line that ROS passes over: a parameter file has it as another type, which stays.
+
+    Raises:
+        RigError: such a number.
+    """
+    numbers = dict(_numbers())
+    given = dict(
+        text.split(":=", 1) for flag, text in pairwise(arguments) if flag in ("-p", "--param") and ":=" in text
+    )
+    for name, text in given.items():
+        if name not in numbers:
+            continue
+        kept = node.get_parameter(name).value
+        try:
+            taken = float(text) == kept
+        except ValueError:
+            taken = text == str(kept)
+        if not taken:
+            raise RigError(
+                f"{name} is {text} on the command line, and stays {kept} of the parameter file, where it has another "
+                f"type; expected a number [{numbers[name].unit}] written as there: change the file or the option"
+            )
+
+
 def _descriptor(name: str, meaning: str) -> ParameterDescriptor:
     # Dynamic typing: 1 is as good a mass as 1.0, and an empty list has no type in ROS.
     return ParameterDescriptor(description=meaning, read_only=name in _READ_ONLY, dynamic_typing=True)
@@ -99,6 +125,9 @@ def checked(values: Mapping[str, Any]) -> config.RigConfig:
         parameter.checked(values[parameter.name], names.NODE)
     if values["time_mode"] not in ("real_time", "fast"):
         raise RigError(f"time_mode is {values['time_mode']!r}; expected 'real_time' or 'fast'")
+    if isinstance(values["effects"], str) and values["effects"]:
+        name = values["effects"]
+        raise RigError(f"effects is {name!r}, a text; expected a list of names: write ['{name}']")
     chosen = [str(name) for name in values["effects"] or () if name]
     passed_over = {*config.NODE_ONLY, *(set(effects.ALL) - set(chosen))}
     kept = {name: value for name, value in values.items() if name.split(".")[0] not in passed_over}

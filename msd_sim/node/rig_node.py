@@ -8,6 +8,7 @@ times as fast as real time, and everybody else runs with ``use_sim_time``.
 
 from __future__ import annotations
 
+import sys
 import time
 from collections.abc import Sequence
 from typing import Any
@@ -236,6 +237,7 @@ def run(stop: Stop, arguments: Sequence[str] | None = None) -> None:
         raise RigError(f"ROS cannot start: {_one_line(error)}; expected valid --ros-args") from None
     try:
         node = RigNode(stop)
+        parameters.check_given(node, sys.argv if arguments is None else arguments)
         rclpy.spin(node)
         node.destroy_node()
     except ParameterException as error:

@@ -178,6 +178,7 @@ def test_parameters_are_refused_in_words_and_taken_while_it_runs(lab):
         ({"mass": -1.0}, "out of range"),
         ({"mass": "heavy"}, "rig mass is 'heavy'; expected a number [kg]: moving mass"),
         ({"effects": ["rubber"]}, "no effect 'rubber'; expected one of coulomb_friction"),
+        ({"effects": "backlash"}, "effects is 'backlash', a text; expected a list of names: write ['backlash']"),
         ({"static_friction_coefficient": 0.001}, "static_friction_coefficient is 0.001, below friction_coefficient"),
         ({"rate": 500.0}, "read-only"),
     ):
@@ -265,6 +266,26 @@ def test_it_ends_with_code_0_and_without_a_traceback(ros_domain, lab, signals):
         process.kill()
     assert process.returncode == 0, said
     assert "Traceback" not in said and "rror" not in said
+
+
+@pytest.mark.parametrize(
+    ("in_file", "said"),
+    [
+        ("0.9", "mass is abc on the command line, and stays 0.9 of the parameter file, where it has another type"),
+        ("2", "mass is 2.5 on the command line, and stays 2 of the parameter file, where it has another type"),
+    ],
+)
+def test_a_number_that_ros_passes_over_is_refused(ros_domain, tmp_path, in_file, said):
+    file = tmp_path / "rig.yaml"
+    file.write_text(f"/**:\n  ros__parameters:\n    mass: {in_file}\n")
+    process = _process("--params-file", str(file), "-p", f"mass:={said.split()[2]}")
+    try:
+        _, found = process.communicate(timeout=60)
+    finally:
+        process.kill()
+    lines = [line for line in found.splitlines() if line.startswith("rig: ") and "compiling" not in line]
+    assert process.returncode == 2 and len(lines) == 1
+    assert said + "; expected a number [kg] written as there: change the file or the option" in lines[0]
 
 
 def test_a_process_with_nonsense_says_so_in_one_line_and_ends_with_code_2(ros_domain):

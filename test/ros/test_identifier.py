@@ -17,6 +17,7 @@ from bagmaker import START_NS  # noqa: E402
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus  # noqa: E402
 from geometry_msgs.msg import WrenchStamped  # noqa: E402
 from graph import Graph, graph, until  # noqa: E402
+from rcl_interfaces.msg import Log  # noqa: E402
 from rcl_interfaces.srv import SetParameters  # noqa: E402
 from rclpy.parameter import Parameter  # noqa: E402
 from rclpy.publisher import Publisher  # noqa: E402
@@ -248,14 +249,40 @@ def test_a_directory_that_is_no_bag_is_answered_in_words(ros: Graph, tmp_path: P
         ({"buffer_samples": 3}, "buffer_samples is 3; expected 100 to 1e"),
         ({"queue_depth": 10}, "queue_depth is 10; expected 1000 to 1e"),
         ({"auto_fit": "perhaps"}, "auto_fit is 'perhaps'; expected true or false"),
+        (
+            {"force": "/x y:z"},
+            "force is '/x y:z': topic name must not contain characters other than alphanumerics, '_', '~', '{', or "
+            "'}'; expected TOPIC:FIELD such as /joint_states:position[elbow]",
+        ),
+        ({"position": "/x//y"}, "position is '/x//y': topic name must not contain repeated '/'; expected TOPIC:FIELD"),
+        ({"position": "{x}"}, "position is '{x}': "),
+        (
+            {"temperature": "a b", "history_file": "kept.json"},
+            "temperature is 'a b': topic name must not contain characters other than alphanumerics, '_', '~', '{', or "
+            "'}'; expected a topic's name such as /motor/temperature",
+        ),
         ({"force": "force:a b"}, "field 'a b' cannot be read; expected something like wrench.force.x"),
     ],
     ids=lambda value: "" if isinstance(value, str) else next(iter(value)),
 )
-def test_nonsense_at_the_start_is_refused_in_words(ros: Graph, parameters: dict[str, object], words: str) -> None:
+def test_nonsense_at_the_start_is_refused_in_words(
+    ros: Graph, parameters: dict[str, object], words: str, tmp_path: Path
+) -> None:
     with pytest.raises(UsageError) as refused:
-        identifier(ros, **parameters)
+        identifier(ros, **{"bag_folder": str(tmp_path), **parameters})
     assert words in str(refused.value)
+
+
+def test_a_parameter_that_the_node_has_not_is_named(ros: Graph) -> None:
+    said: list[str] = []
+    ros.node.create_subscription(Log, "/rosout", lambda log: said.append(log.msg), 10_000)
+    identifier(ros, settle_tme=1.0, use_sim_time=False)
+    until(lambda: bool(said), "the warning")
+    assert said[0] == (
+        "there is no parameter settle_tme; expected one of this node's, such as settle_time: check the spelling, or "
+        "list them with: ros2 param list /identifier"
+    )
+    assert not any("use_sim_time" in line for line in said)
 
 
 def test_nonsense_later_is_refused_in_words_and_sense_is_taken(ros: Graph) -> None:

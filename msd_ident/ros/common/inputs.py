@@ -22,6 +22,7 @@ from msd_ident.ros.common.fault_log import FaultLog
 from msd_ident.ros.common.live_buffer import LiveBuffer, StampArray
 from msd_ident.ros.common.message_batching import Poller, subscribe
 from msd_ident.ros.common.missing_samples import Holes, TopicCount
+from msd_ident.ros.common.parameters import topic_name
 from msd_ident.ros.identifier.step_detection import StepWatcher
 
 #: Pause after which a publisher that restarted may have another zero [ns].
@@ -45,6 +46,15 @@ class Wanted:
     topic: str
     field: str
     scale: float
+
+    def topic_of(self, node: Node) -> str:
+        """Whole name of the topic for a node.
+
+        Raises:
+            UsageError: no topic can have this name.
+        """
+        given = f"{self.what} is {':'.join(filter(None, (self.topic, self.field)))!r}"
+        return topic_name(node, self.topic, given, "TOPIC:FIELD such as /joint_states:position[elbow]")
 
 
 def wanted(what: Literal["force", "position"], text: str, scale: float) -> tuple[Wanted, ...]:
@@ -76,7 +86,7 @@ class Input:
 
     def __init__(self, node: Node, signal: Wanted, sink: Sink, depth: int, poller: Poller) -> None:
         self.wanted = signal
-        self.topic = node.resolve_topic_name(signal.topic)
+        self.topic = signal.topic_of(node)
         self.problem = ""
         self.signal: Signal | None = None
         self.publishers = 0

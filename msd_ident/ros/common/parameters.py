@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -78,6 +79,7 @@ class Settings:
         self._settings = {setting.name: setting for setting in settings}
         for setting in settings:
             _declare(node, setting)
+        _warn_of_unknown(node, self._settings)
         reasons = [self._reason(name, node.get_parameter(name).value) for name in self._settings]
         for reason in filter(None, reasons):
             raise UsageError(reason)
@@ -102,6 +104,37 @@ class Settings:
         if isinstance(setting.default, float):
             return _odd_number(setting, value)
         return ""
+
+
+def _warn_of_unknown(node: Node, known: Mapping[str, Setting]) -> None:
+    """Name the parameters given at the start that the node has not: one is misspelt, or a file is for several nodes."""
+    for name in sorted(set(getattr(node, "_parameter_overrides", {})) - set(known)):
+        if node.has_parameter(name) or name.startswith("qos_overrides."):  # rclpy's own, such as use_sim_time
+            continue
+        near = difflib.get_close_matches(name, known, n=1)
+        node.get_logger().warning(
+            f"there is no parameter {name}; expected one of this node's{f', such as {near[0]}' if near else ''}: "
+            f"check the spelling, or list them with: ros2 param list {node.get_fully_qualified_name()}"
+        )
+
+
+def topic_name(node: Node, topic: str, setting: str, expected: str) -> str:
+    """The whole name of a topic that a parameter names.
+
+    Args:
+        node: whose namespace and remappings count.
+        topic: its name.
+        setting: the parameter and its value, for the words of the refusal.
+        expected: what its value should be, for the same.
+
+    Raises:
+        UsageError: no topic can have this name.
+    """
+    try:
+        return str(node.resolve_topic_name(topic))
+    except Exception as error:  # rclpy has several kinds for bad names
+        reason = str(error).strip().splitlines()[0].removeprefix("failed to resolve name: ").partition(", at ")[0]
+        raise UsageError(f"{setting}: {reason.rstrip('.:')}; expected {expected}") from None
 
 
 def _odd_number(setting: Setting, value: Any) -> str:

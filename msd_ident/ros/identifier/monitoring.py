@@ -13,7 +13,7 @@ from sensor_msgs.msg import Temperature
 
 from msd_ident.errors import MsdError
 from msd_ident.ros.common import diagnostics_status
-from msd_ident.ros.common.parameters import Settings
+from msd_ident.ros.common.parameters import Settings, topic_name
 
 if TYPE_CHECKING:
     from msd_ident.workflow.identification import Identification
@@ -41,6 +41,7 @@ class Monitoring:
         folder.mkdir(parents=True, exist_ok=True)
         topic = settings["temperature"]
         if topic:
+            topic = topic_name(node, topic, f"temperature is {topic!r}", "a topic's name such as /motor/temperature")
             node.create_subscription(Temperature, topic, self._on_temperature, 10)
         self._history = History(
             folder / settings["history_file"],

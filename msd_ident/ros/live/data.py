@@ -32,7 +32,7 @@ class Tap:
     """One topic that is drained. Counts nothing: the identifier and the recorder do, and say so on ``/diagnostics``."""
 
     def __init__(self, node: Node, signal: Wanted, depth: int) -> None:
-        self.topic = node.resolve_topic_name(signal.topic)
+        self.topic = signal.topic_of(node)
         self.problem = ""
         self.signal: Signal | None = None
         self._node, self._wanted, self._depth = node, signal, depth
