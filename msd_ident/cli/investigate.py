@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from msd_ident.cli import groups, options, results
-from msd_ident.errors import UsageError
+from msd_ident.errors import Interrupted, MsdError, UsageError
 
 if TYPE_CHECKING:
     from msd_ident.design import Profile
-    from msd_ident.workflow.investigation import Investigation, Rig, Step
+    from msd_ident.workflow.investigation import Investigation, Loop, Rig, Step
 
 EffectOption = Annotated[
     list[str] | None,
@@ -76,9 +76,50 @@ def investigate(
     tell = _telling(out, output.tables)
     budget = investigation.Budget(runs, seconds)
     with _rig(rig, effect or [], seed, out, (namespace, silence, lead)) as found_rig:
-        found = investigation.Loop(found_rig, allowed, budget, ask=ask, tell=tell).run(begin)
-    _write(found, out, output)
+        loop = investigation.Loop(found_rig, allowed, budget, ask=ask, tell=tell)
+        with _keeping(loop, out):
+            found = loop.run(begin)
+    _write(found, out)
+    results.write([{"path": str(out), **found.to_json_dict()}], output)
+    if output.tables:
+        _print(found, out)
     return 0
+
+
+@contextmanager
+def _keeping(loop: Loop, out: Path) -> Iterator[None]:
+    """Journal and report of the experiments that are done, where an investigation is interrupted or refused.
+
+    Raises:
+        Interrupted: by Ctrl-C, with what is kept.
+    """
+    try:
+        yield
+    except (MsdError, typer.Abort) as error:
+        _write_early(loop, out, str(error) or "interrupted")
+        raise
+    except KeyboardInterrupt:
+        _write_early(loop, out, "interrupted")
+        raise Interrupted(_kept(len(loop.steps), out)) from None
+
+
+def _write_early(loop: Loop, out: Path, why: str) -> None:
+    from msd_ident.workflow.investigation import Investigation
+
+    if loop.steps:
+        sentence = f"{why}: {loop.steps[-1].diagnosis.summary}"
+        _write(Investigation(tuple(loop.steps), False, sentence, loop.measurements), out)
+
+
+def _kept(done: int, out: Path) -> str:
+    """What an interrupted investigation leaves."""
+    if done:
+        count = "1 experiment" if done == 1 else f"{done} experiments"
+        return f"{count} in the journal: {out / 'journal.json'}, report: {out / 'report.html'}"
+    bags = [str(bag) for bag in sorted(out.glob("run_*"))]
+    if not bags:
+        return f"no experiment was finished, and {out} is empty"
+    return f"no experiment was diagnosed; the bags are kept: msd diagnose {' '.join(bags)}"
 
 
 @contextmanager
@@ -132,15 +173,17 @@ def _telling(out: Path, tables: bool) -> Callable[[Step], None]:
     return tell
 
 
-def _write(found: Investigation, out: Path, output: results.Output) -> None:
+def _write(found: Investigation, out: Path) -> None:
+    """Journal and report."""
     from msd_ident.report import investigation_page
 
     journal = results.jsonable(found.to_json_dict())
     (out / "journal.json").write_text(text.dumps(journal, ensure_ascii=False, indent=1) + "\n", encoding="utf-8")
     investigation_page.save(found, out / "report.html")
-    results.write([{"path": str(out), **found.to_json_dict()}], output)
-    if output.tables:
-        print(found.sentence)
-        for sentence in found.measurements:
-            print(f"measure: {sentence}")
-        print(f"journal: {out / 'journal.json'}, report: {out / 'report.html'}")
+
+
+def _print(found: Investigation, out: Path) -> None:
+    print(found.sentence)
+    for sentence in found.measurements:
+        print(f"measure: {sentence}")
+    print(f"journal: {out / 'journal.json'}, report: {out / 'report.html'}")

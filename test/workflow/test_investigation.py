@@ -15,6 +15,7 @@ from designrigs import BENT, LIMITS, STEP, Rig, checked, share
 
 from bench.blind_design import cases
 from msd_ident.cli.main import main
+from msd_ident.cli.simulated_rig import SimulatedRig
 from msd_ident.design import Limits, Profile, Segment
 from msd_ident.errors import DataError, UsageError
 from msd_ident.report import investigation_page
@@ -330,6 +331,58 @@ def test_investigate_and_design_by_command(
     words = ("design", bag, "--limits", "l.yaml", "--check", "--out", "n.yaml", "--figure", "n.png", "--quiet")
     assert run(*words) == 0
     assert Path("n.yaml").read_text().startswith("# Play ") and Path("n.png").stat().st_size > 10_000
+
+
+def _raising(error: BaseException) -> Callable[..., Any]:
+    def fail(*given: object, **named: object) -> Any:
+        raise error
+
+    return fail
+
+
+@pytest.mark.parametrize(
+    ("where", "error", "code", "said"),
+    [
+        (
+            "_next",
+            KeyboardInterrupt(),
+            130,
+            "interrupted; 1 experiment in the journal: story/journal.json, report: story/report.html",
+        ),
+        ("_next", DataError("the rig is gone"), 2, "the rig is gone"),
+        (
+            "diagnose",
+            KeyboardInterrupt(),
+            130,
+            "interrupted; no experiment was diagnosed; the bags are kept: msd diagnose story/run_1",
+        ),
+        ("play", KeyboardInterrupt(), 130, "interrupted; no experiment was finished, and story is empty"),
+    ],
+)
+def test_what_ends_early_leaves_what_is_done(
+    where: str,
+    error: BaseException,
+    code: int,
+    said: str,
+    asking_about: Callable[..., None],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    asking_about("coulomb_friction")
+    place = {"_next": Loop, "diagnose": investigation.pipeline, "play": SimulatedRig}[where]
+    monkeypatch.setattr(place, where, _raising(error))
+    monkeypatch.chdir(tmp_path)
+    Path("l.yaml").write_text("force: 10\ntravel: 0.03\nduration: 20\n")
+    Path("p.yaml").write_text("name: push\nsegments:\n  - {kind: step, duration: 0.8, force: 8}\n")
+    words = ("--limits", "l.yaml", "--rig", "ecp", "--first", "p.yaml", "--yes", "--out", "story", "--quiet")
+    assert run("investigate", *words) == code
+    assert capsys.readouterr().err == f"msd: {said}\n"
+    assert Path("story/report.html").exists() is Path("story/journal.json").exists() is (where == "_next")
+    if where == "_next":
+        journal = json.loads(Path("story/journal.json").read_text())
+        assert len(journal["steps"]) == 1 and not journal["stands"]
+        assert journal["sentence"].startswith(f"{str(error) or 'interrupted'}: ")
 
 
 def test_without_yes_the_command_asks_before_anything_moves(
