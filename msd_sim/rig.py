@@ -152,9 +152,11 @@ class Rig:
         trouble, done = kernel.run(*self._world(segments), at, motion)  # type: ignore[call-arg]
         if trouble != 0:
             what = "the motion runs away" if trouble == kernel.RUNS_AWAY else "the rig chatters without end"
+            largest = max(map(abs, (self._command, *self._commands)))
             raise RigError(
-                f"{what} at {self.time:.6g} s, x = {self._y[0]:.3g} m, after {done} samples; "
-                "expected forces that stay finite: check softening springs, magnets and signs"
+                f"{what} at {self.time:.6g} s, x = {self._y[0]:.3g} m, after {done} samples, under commands up to "
+                f"{largest:.3g} N; expected forces that stay finite: check the commands, softening springs, magnets "
+                "and signs"
             )
         self._forget(segments)
         return Motion(at, motion[0], motion[1], motion[2])

@@ -52,7 +52,7 @@ def run(
         done = played_by.play(
             Experiment(wanted, allowed, bag, reset),
             stop,
-            lambda part, force, at: report(f"{force:.3g} N, {at:.4g} m", part),
+            lambda part, force, at: report(f"{force:.3g} {wanted.unit}, {at:.4g} m", part),
         )
     line = {
         "schema": "msd.run/1", "path": str(done.bag), "stopped": done.stopped, "commands": done.commands,

@@ -44,8 +44,8 @@ def prepare(
         if passed > told and thread.is_alive():
             told = passed + TOLD_EVERY
             (say or _to_stderr)(
-                f"rig: compiling its solver for {passed:.0f} s now; once after an installation, about 10 s on a free "
-                "core and minutes on a busy machine (`msd warm` does it beforehand)"
+                f"rig: loading or compiling its solver for {passed:.0f} s now; it compiles once after an installation, "
+                "about 10 s on a free core and minutes on a busy machine (`msd warm` does it beforehand)"
             )
     if failed:
         raise failed[0]

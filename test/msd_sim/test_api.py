@@ -121,6 +121,10 @@ NONSENSE = [
         {"effects": {"cubic_spring": {"cubic_stiffness": -1e7}}, "experiment": {"name": "step", "force": 50.0}},
         "the motion runs away at",
     ),
+    (
+        {"force": [1e308], "force_time": [0.0], "duration": 1.0},
+        "under commands up to 1e+308 N; expected forces that stay finite: check the commands, softening springs",
+    ),
 ]
 
 

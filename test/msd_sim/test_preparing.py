@@ -16,7 +16,7 @@ from msd_sim.node.preparing import prepare, warm_up
 from msd_sim.rig import Rig
 from msd_sim.truth import Truth
 
-WORDS = "rig: compiling its solver for "
+WORDS = "rig: loading or compiling its solver for "
 #: ``python -m msd_sim.node``, which speaks after half a second in place of five: the compiler works all that time.
 NODE = "from msd_sim.node import main, preparing; preparing.TOLD_AFTER = 0.5; raise SystemExit(main())"
 

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import re
 import threading
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 rclpy = pytest.importorskip("rclpy", reason="no ROS 2 here")
@@ -146,15 +149,52 @@ def test_a_silent_encoder_stops_with_force_0(ros: Graph, tmp_path: Path) -> None
     until(lambda: told.all and told.all[-1] == 0.0, "force 0")
 
 
+def test_a_rig_that_ends_as_a_run_begins_is_silent_and_not_late(
+    ros: Graph, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    node = rig(ros)
+    record = ProfilePlayer._record
+
+    def ended(self: ProfilePlayer, *given: object) -> Recording:
+        node._publish_samples = lambda *_: None  # type: ignore[attr-defined]
+        return record(self, *given)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(ProfilePlayer, "_record", ended)
+    done = play(ros, LONG, tmp_path / "bag", silence=0.5)
+    assert done.stopped == "the encoder fell silent: no reading for 0.5 s"
+
+
+def test_readings_that_come_late_stop_it(ros: Graph, tmp_path: Path) -> None:
+    node = rig(ros)
+    publish = node._publish_samples  # type: ignore[attr-defined]
+    late: list[float] = []
+
+    def advance(part: float, force: float, at: float) -> None:
+        late.append(part)
+
+    def later(index: object, stamps: np.ndarray, readings: object) -> None:
+        publish(index, stamps - (10**9 if late else 0), readings)
+
+    node._publish_samples = later  # type: ignore[attr-defined]
+    done = play(ros, LONG, tmp_path / "bag", advance=advance, silence=0.5)
+    assert re.fullmatch(r"the encoder's readings come 1\.0\d s later than before", done.stopped)
+
+
+def test_the_bag_tells_the_unit_of_the_force(ros: Graph, tmp_path: Path) -> None:
+    rig(ros)
+    play(ros, replace(STEP, unit="V"), tmp_path / "bag")
+    assert read(tmp_path / "bag", SourceOptions()).force_unit == "V"
+
+
 def test_a_bag_that_takes_its_time_to_begin_is_no_silence(
     ros: Graph, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     rig(ros)
     begin = ProfilePlayer._record
 
-    def slowly(self: ProfilePlayer, bag: Path) -> Recording:
+    def slowly(self: ProfilePlayer, *given: object) -> Recording:
         time.sleep(1.5)
-        return begin(self, bag)
+        return begin(self, *given)  # type: ignore[arg-type]
 
     monkeypatch.setattr(ProfilePlayer, "_record", slowly)
     assert play(ros, STEP, tmp_path / "bag", silence=1.2).stopped == ""

@@ -287,6 +287,7 @@ def test_paths_of_a_goal_stand_for_themselves_or_together(ros: Graph, tmp_path: 
         (Diagnose.Goal(report_path="page.txt"), "page.txt does not end in .html"),
         (Diagnose.Goal(report_path="old.html"), "old.html exists; expected a new name"),
         (Diagnose.Goal(report_path="no/page.html"), "no does not exist; expected one to write page.html into"),
+        (Diagnose.Goal(report_path="/etc/page.html"), "expected a name that ends in .html there: give another name"),
         (Diagnose.Goal(report_path="/etc/page.html"), "/etc/page.html is not below"),
         (Diagnose.Goal(start=3.0, end=2.0), "the window from 3 s to 2 s is empty"),
     ],

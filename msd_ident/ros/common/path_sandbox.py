@@ -46,7 +46,7 @@ class Place:
         Raises:
             UsageError: it lies elsewhere, exists, has another suffix or no folder to be in.
         """
-        path = self._below(text)
+        path = self._below(text, f"a name that ends in {suffix}" if suffix else "a bag")
         if suffix and path.suffix != suffix:
             raise UsageError(f"{text} does not end in {suffix}; expected a name that does")
         if path.exists() or path.is_symlink():
@@ -63,7 +63,7 @@ class Place:
         """
         return dated_folder(self.root, prefix)
 
-    def _below(self, text: str) -> Path:
+    def _below(self, text: str, expected: str = "a bag") -> Path:
         """The path with all links followed, relative ones counted from the root."""
         _check_words(text)
         try:
@@ -73,7 +73,7 @@ class Place:
             raise UsageError(f"{quoted(text)} cannot be followed: {error}; expected a path below {self.root}") from None
         if not self._holds(path) or path == self.root:
             raise UsageError(
-                f"{quoted(text)} is not below {self.root}; expected a bag there: give another name, or set "
+                f"{quoted(text)} is not below {self.root}; expected {expected} there: give another name, or set "
                 f"{self._parameter} when the node starts"
             )
         return path

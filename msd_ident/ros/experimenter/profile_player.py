@@ -19,6 +19,7 @@ from std_srvs.srv import Trigger
 
 from msd_ident.design import Limits, Profile
 from msd_ident.errors import SetupError
+from msd_ident.io.reader import FORCE_UNIT
 from msd_ident.ros.common import names
 from msd_ident.ros.common.conversions import nanoseconds, time_message
 from msd_ident.ros.common.message_batching import subscribe, waiting
@@ -109,6 +110,7 @@ class ProfilePlayer:
         self._guard: SafetyMonitor | None = None
         self._recording: Recording | None = None
         self._latest: tuple[int, float] | None = None
+        self._delay = 0.0  # of the latest reading when it came [s]
         self._unheard: WrenchStamped | None = None  # the last command, until it comes back
         self._halted = False
         self._listening: list[tuple[Subscription, Take]] = []
@@ -136,7 +138,7 @@ class ProfilePlayer:
 
     def _conduct(self, experiment: Experiment, stop: threading.Event, advance: Advance) -> Played:
         bag = experiment.bag
-        recording = self._record(bag)
+        recording = self._record(bag, experiment.profile.unit)
         guard = SafetyMonitor(experiment.limits, self._silence)  # before the bag, which may take a while to begin
         with self._lock:
             self._halted, self._guard, self._recording = False, guard, recording
@@ -170,14 +172,14 @@ class ProfilePlayer:
         clock = self._node.get_clock()
         lead = round(self._lead * 1e9)
         start = clock.now().nanoseconds + lead + 20_000_000
-        reported, due, usual = 0.0, start, self._lag()
+        reported, due, usual = 0.0, start, self._delay
         for at, force in zip(*profile.commands, strict=True):
             due = start + round(float(at) * 1e9)
             while (left := due - lead - clock.now().nanoseconds) > 0:
                 if stop.is_set():
                     guard.stop(CANCELLED)
-                if self._lag() > usual + self._silence:
-                    guard.stop(f"the encoder's readings come {self._lag() - usual:.2f} s later than before")
+                if self._delay > usual + self._silence:
+                    guard.stop(f"the encoder's readings come {self._delay - usual:.2f} s later than before")
                 if guard.reason or guard.silent():
                     return
                 if time.monotonic() - reported > 0.1:
@@ -247,11 +249,13 @@ class ProfilePlayer:
             readings = [(stamp + i * message.period_ns, float(x)) for i, x in enumerate(message.positions)]
         for at, position in readings:
             self._latest = (at, position)
+            self._delay = self._lag()
             if guard is not None and not guard.reading(at, position) and not self._halted:
                 self._halt()
 
-    def _record(self, bag: Path) -> Recording:
-        recording = Recording(bag)
+    def _record(self, bag: Path, unit: str) -> Recording:
+        """A recording whose bag tells the force's unit, which the messages have no place for."""
+        recording = Recording(bag, custom_data={FORCE_UNIT: unit})
         for topic in (names.FORCE, names.ENCODER, names.ENCODER_BATCH):
             name = self._node.resolve_topic_name(topic)
             publishers = self._node.get_publishers_info_by_topic(name)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import queue
 import threading
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -78,6 +78,7 @@ class Recording:
         compression: ``zstd``, ``lz4`` or ``none``.
         most_bytes: messages that may wait for the disk; what comes beyond is refused and counted.
         limits: when the bag is seen onto the disk and when it goes on in another file.
+        custom_data: texts for the bag's metadata.
 
     Raises:
         UsageError: the folder exists.
@@ -90,10 +91,11 @@ class Recording:
         compression: Compression = "zstd",
         most_bytes: int = 512 * 2**20,
         limits: QueueLimits = QueueLimits(),  # noqa: B008 - frozen
+        custom_data: Mapping[str, str] | None = None,
     ) -> None:
         self.folder = folder
         self._idle = min(IDLE, max(limits.sync_seconds / 2, 0.01))
-        self._writer = BagWriter(folder, compression, **asdict(limits))
+        self._writer = BagWriter(folder, compression, custom_data=custom_data, **asdict(limits))
         self._queue: queue.SimpleQueue[tuple[str, bytes, int, int] | None] = queue.SimpleQueue()
         self._counts: dict[str, TopicCount] = {}
         self._most_bytes = most_bytes
