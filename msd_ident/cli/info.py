@@ -126,7 +126,7 @@ def _show(found: _Contents, console: Console) -> None:
     table.add_column("column" if info.is_table else "topic", overflow="fold")
     table.add_column("type", overflow="fold")
     for name in ("number", "rate, Hz", "longest gap, s"):
-        table.add_column(name, justify="right")
+        table.add_column(name, justify="right", overflow="fold")
     for topic in info.topics:
         table.add_row(
             escape(topic.name), topic.type, str(topic.messages), _number(topic.rate), _number(topic.longest_gap)

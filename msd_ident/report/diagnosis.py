@@ -95,7 +95,6 @@ def rivals_table(diagnosis: Diagnosis) -> Table | None:
     if not diagnosis.rivals or diagnosis.verdict == "adequate":
         return None
     table = new_table("Other explanations", "causes", "probability", "noise floors left")
-    table.columns[0].no_wrap = False
     for rival in diagnosis.rivals:
         left = numbers.number(rival.floors, 3)
         table.add_row(" + ".join(rival.causes) or "none", probability(rival.probability), left)
@@ -108,8 +107,6 @@ def calibration_table(diagnosis: Diagnosis) -> Table | None:
         return None
     found = calibration.matrix(diagnosis.calibration)
     table = new_table("Copies of this record", "simulated", "correct", "diagnosed otherwise", "copies")
-    for column in (0, 2):
-        table.columns[column].no_wrap = False
     for line in found.lines:
         right = [cell.text for cell in line.cells if cell.right and cell.percent]
         others = [

@@ -48,10 +48,12 @@ VERDICTS = {
 
 
 def new_table(title: str, *columns: str) -> Table:
-    """An empty table in the house style: first column left, the others right."""
+    """An empty table in the house style: first column left, the others right. A cell that is too wide goes on in the next
+    line: half a number would be read as a whole one.
+    """
     table = Table(title=title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False)
     for index, column in enumerate(columns):
-        table.add_column(column, justify="left" if index == 0 else "right", no_wrap=True)
+        table.add_column(column, justify="left" if index == 0 else "right", overflow="fold")
     return table
 
 

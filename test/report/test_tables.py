@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -36,6 +37,25 @@ def test_tables_fit_80_columns_and_nothing_is_cut(found: Identification) -> None
     text = printed(found)
     assert max(map(len, text.splitlines())) <= 80
     assert "…" not in text.replace(" … ", "")
+
+
+LONG = [
+    ("mass", "1.30000000 ± 0.00000015", "1.30000000 ± 0.00000015", "kg"),
+    ("drag position of the first", "0.020000175 ± 0.000000123", "0.005527 to 0.006012", "N·s²/m²"),
+    ("SEE on left-out data", "6.156e-08", "6.156e-08", "noise floors"),
+]
+
+
+@pytest.mark.parametrize("width", [80, 60])
+def test_what_is_too_wide_for_a_cell_goes_on_below(width: int) -> None:
+    table = tables.new_table("Models, ± 95 %", "", "base", "extended", "unit")
+    for row in LONG:
+        table.add_row(*row)
+    console = Console(width=width, record=True, file=open("/dev/null", "w"))  # noqa: SIM115 - rich closes nothing
+    console.print(table)
+    text = console.export_text()
+    assert "…" not in text and max(map(len, text.splitlines())) <= width
+    assert Counter(text.split()) >= Counter(word for row in LONG for cell in row for word in cell.split())
 
 
 def test_every_parameter_and_sentence_is_printed(found: Identification) -> None:
