@@ -48,8 +48,8 @@ VERDICTS = {
 
 
 def new_table(title: str, *columns: str) -> Table:
-    """An empty table in the house style: first column left, the others right. A cell that is too wide goes on in the next
-    line: half a number would be read as a whole one.
+    """An empty table in the house style: first column left, the others right. What is too wide goes on in the next
+    line, as half a number would be read as a whole one.
     """
     table = Table(title=title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False)
     for index, column in enumerate(columns):
