@@ -1,4 +1,7 @@
-"""YAML that a person writes: a key that stands twice is refused, and 3e-2 is a number."""
+"""YAML that a person writes: a key that stands twice is refused, and numbers are those of YAML 1.2.
+
+YAML 1.1 reads 1:30 as 90 (of base 60), 010 as 8 and 1_0 as 10, and 3e-2 as a text.
+"""
 
 from __future__ import annotations
 
@@ -8,8 +11,14 @@ from typing import Any
 import yaml
 
 YAMLError = yaml.YAMLError
-#: Numbers whose exponent YAML 1.1 takes for text, since they lack a point or the exponent's sign.
-_EXPONENT = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)[eE][-+]?[0-9]+\Z")
+_INT, _FLOAT = "tag:yaml.org,2002:int", "tag:yaml.org,2002:float"
+#: Whole numbers, without those that begin with a 0, which YAML 1.1 reads as octal and 1.2 as decimal.
+_WHOLE = re.compile(r"(?:[-+]?(?:0|[1-9][0-9]*)|0x[0-9a-fA-F]+)\Z")
+_REAL = re.compile(
+    r"(?:[-+]?(?:[0-9]+\.[0-9]*|\.[0-9]+|[0-9]+(?=[eE]))(?:[eE][-+]?[0-9]+)?"
+    r"|[-+]?\.(?:inf|Inf|INF)|\.(?:nan|NaN|NAN))\Z"
+)
+_BEGINNINGS = list("-+.0123456789")
 _MERGE = "tag:yaml.org,2002:merge"
 
 
@@ -32,8 +41,15 @@ class _Dumper(yaml.SafeDumper):
     """Quotes a text that the loader would take for a number."""
 
 
+# A class has a table of its own once something is added to it; of the loader's, what YAML 1.1 takes for numbers goes.
 for _each in (_Loader, _Dumper):
-    _each.add_implicit_resolver("tag:yaml.org,2002:float", _EXPONENT, list("-+.0123456789"))
+    _each.add_implicit_resolver(_FLOAT, _REAL, _BEGINNINGS)
+_Loader.yaml_implicit_resolvers = {
+    sign: [(tag, pattern) for tag, pattern in known if tag not in (_INT, _FLOAT)]
+    for sign, known in _Loader.yaml_implicit_resolvers.items()
+}
+_Loader.add_implicit_resolver(_FLOAT, _REAL, _BEGINNINGS)
+_Loader.add_implicit_resolver(_INT, _WHOLE, _BEGINNINGS)
 
 
 def load(text: str) -> Any:

@@ -30,7 +30,24 @@ def test_a_number_with_an_exponent_is_one(text: str) -> None:
     assert load(f"x: {text}") == {"x": float(text)}
 
 
-@pytest.mark.parametrize("value", ["3e-2", "1e5", "e5", "1e", "0x1", 3, 3e-20, "3e-2 m", "1.0"])
+@pytest.mark.parametrize("text", ["1:30", "1:30.5", "-1:00", "010", "1_000", "1_0.5", "0b11", "0o17"])
+def test_what_only_yaml_1_1_takes_for_a_number_is_a_text(text: str) -> None:
+    assert load(f"x: {text}") == {"x": text}
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [("16", 16), ("0x10", 16), ("-3", -3), ("+4", 4), ("0", 0), ("0.5", 0.5), (".5", 0.5), ("007.5", 7.5), ("2.", 2.0)],
+)
+def test_numbers_are_numbers(text: str, value: float) -> None:
+    found = load(f"x: {text}")["x"]
+    assert found == value and type(found) is type(value)
+    assert load("[.inf, -.inf]") == [float("inf"), -float("inf")]
+
+
+@pytest.mark.parametrize(
+    "value", ["1:30", "010", "0o17", "1_0", "3e-2", "1e5", "e5", "1e", "0x1", 3, 3e-20, "3e-2 m", "1.0"]
+)
 def test_what_is_written_is_read(value: object) -> None:
     again = load(dump({"x": value}))["x"]
     assert again == value and type(again) is type(value)

@@ -19,6 +19,8 @@ from msd_ident.errors import DataError, UsageError
     [
         ("", "no limits found; expected force: 10, travel: 0.03, duration: 20"),
         ("force: 1\ntravel: 0.1\n", "limits: duration is missing; expected force"),
+        ("force: 1\ntravel: 0.1\nduration: 1:30\n", "limits: duration is '1:30'; expected a finite number"),
+        ("force: 010\ntravel: 0.1\nduration: 1\n", "limits: force is '010'; expected a finite number"),
         ("force: 1\ntravel: 0.1\nduration: 0\n", "limits: duration is 0 s; expected more than 0 s"),
         ("force: 0\ntravel: 0.1\nduration: 1\n", "limits: force from 0 to 0; expected one number above 0"),
         ("force: [1, 2]\ntravel: 0.1\nduration: 1\n", "limits: force from 1 to 2; expected"),
