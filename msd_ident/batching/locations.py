@@ -52,6 +52,8 @@ def listed(text: str) -> tuple[str, ...]:
 
 
 def _of(path: str) -> Sequence[str]:
+    if not path:
+        raise UsageError("an empty path; expected a file or folder: check the variable that it comes from, or write .")
     found = _remote(path) if is_remote(path) else _local(path)
     if not found:
         raise DataError(

@@ -125,10 +125,10 @@ def _kept(done: int, out: Path) -> str:
 @contextmanager
 def _rig(name: str, effects: list[str], seed: int, out: Path, graph: tuple[str, float, float]) -> Iterator[Rig]:
     if name:
-        from msd_ident.cli.simulate import _named_numbers, _rig
+        from msd_ident.cli.simulate import _rig, effects_of
         from msd_ident.cli.simulated_rig import SimulatedRig
 
-        spec: dict[str, Any] = {"rig": name, "effects": dict(_named_numbers("--effect", one) for one in effects)}
+        spec: dict[str, Any] = {"rig": name, "effects": effects_of(effects)}
         yield SimulatedRig(_rig(), spec, out, seed)
         return
     if effects:

@@ -32,10 +32,24 @@ def _named(context: typer.Context, option: typer.CallbackParam, value: str) -> s
     return value
 
 
+def path_of(text: str) -> Path:
+    """A path of the command line; an empty one, as of an unset variable of a shell, would be the current folder.
+
+    Raises:
+        UsageError: it is empty.
+    """
+    if not text:
+        raise UsageError("an empty path; expected a file or folder: check the variable that it comes from, or write .")
+    return Path(text)
+
+
+#: An argument that is a path.
+path_argument = partial(typer.Argument, parser=path_of)
+
 # Source: which records, and how they are read.
-PathsArgument = Annotated[list[Path], typer.Argument(metavar="PATH…", help="rosbag2 folder, .mcap, .csv or .mat file")]
+PathsArgument = Annotated[list[Path], path_argument(metavar="PATH…", help="rosbag2 folder, .mcap, .csv or .mat file")]
 ResultArgument = Annotated[
-    Path, typer.Argument(metavar="RESULT.json", help="file that --json of identify or diagnose wrote")
+    Path, path_argument(metavar="RESULT.json", help="file that --json of identify or diagnose wrote")
 ]
 LineOption = Annotated[int | None, source_option("--line", min=1, help="line of RESULT.json to use, if it has several")]
 ForceOption = Annotated[

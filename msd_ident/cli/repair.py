@@ -5,9 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
-from msd_ident.cli import groups, results
+from msd_ident.cli import groups, options, results
 
 if TYPE_CHECKING:
     from msd_ident.io import Repair
@@ -15,7 +13,9 @@ if TYPE_CHECKING:
 
 @groups.grouped("json", "overwrite")
 def repair(
-    paths: Annotated[list[Path], typer.Argument(help="bag folders or .mcap files", show_default=False)],
+    paths: Annotated[
+        list[Path], options.path_argument(metavar="PATHS…", help="bag folders or .mcap files", show_default=False)
+    ],
     output: results.Output,
 ) -> int:
     """Rebuild index and metadata of bags whose recording was interrupted, and report what was lost."""

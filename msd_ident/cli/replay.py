@@ -7,9 +7,11 @@ from typing import Annotated
 
 import typer
 
+from msd_ident.cli import options
+
 
 def replay(
-    bag: Annotated[Path, typer.Argument(metavar="BAG", help="rosbag2 folder, .mcap or .db3 file")],
+    bag: Annotated[Path, options.path_argument(metavar="BAG", help="rosbag2 folder, .mcap or .db3 file")],
     rate: Annotated[float, typer.Option(help="playback speed, 0.01 to 100")] = 1.0,
     loop: Annotated[bool, typer.Option("--loop", help="restart at the end")] = False,
     clock: Annotated[bool, typer.Option("--clock", help="publish /clock for nodes with use_sim_time")] = False,

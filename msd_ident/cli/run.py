@@ -9,8 +9,6 @@ from pathlib import Path
 from types import FrameType
 from typing import Annotated
 
-import typer
-
 from msd_ident.cli import groups, options, progress, results
 from msd_ident.errors import UsageError
 
@@ -20,7 +18,7 @@ ResetOption = Annotated[bool, options.rig_option("--reset", help="first call rig
 
 @groups.grouped("json", "quiet")
 def run(
-    profile: Annotated[Path, typer.Argument(metavar="PROFILE", help=".yaml or .csv file of msd design")],
+    profile: Annotated[Path, options.path_argument(metavar="PROFILE", help=".yaml or .csv file of msd design")],
     limits: options.LimitsOption = None,
     out: OutOption = None,
     namespace: options.NamespaceOption = "msd",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -72,12 +72,11 @@ def simulate(
     if out.suffix not in ("", ".csv") and not out.suffix[1:].isdigit():
         raise UsageError(f"{out} ends in {out.suffix}; expected a name that ends in .csv, or a folder's for a bag")
     if out.exists() and not overwrite:
-        raise UsageError(f"{out} exists; expected a new name: give another one, or --force to replace it")
+        raise UsageError(f"{out} exists; expected a new name: give another one, or --overwrite to replace it")
     name, options = _named_numbers("--experiment", experiment)
     spec: dict[str, Any] = {"rig": rig, "experiment": {"name": name, **options}}
-    spec["effects"] = dict(_named_numbers("--effect", text) for text in effect or ())
-    for text in parameter or ():
-        spec |= _numbers("--set", text)
+    spec["effects"] = effects_of(effect or ())
+    spec |= _numbers("--set", ",".join(parameter or ()))
     spec |= {k: v for k, v in (("seed", seed), ("rate", rate), ("duration", duration)) if v is not None}
     try:
         simulated = _rig()(spec)
@@ -109,6 +108,21 @@ def _rig() -> Callable[[Mapping[str, Any]], Any]:
     raise SetupError(f"no simulated rig is installed; expected an entry point in {RIGS}: install this package with pip")
 
 
+def effects_of(texts: Sequence[str]) -> dict[str, dict[str, float]]:
+    """Effects with their parameters from the texts of ``--effect``.
+
+    Raises:
+        UsageError: a text that is no effect, or an effect that is given twice.
+    """
+    found: dict[str, dict[str, float]] = {}
+    for text in texts:
+        name, numbers = _named_numbers("--effect", text)
+        if name in found:
+            raise UsageError(f"--effect {name} is given twice; expected it once, with all its parameters: join them")
+        found[name] = numbers
+    return found
+
+
 def _named_numbers(option: str, text: str) -> tuple[str, dict[str, float]]:
     """("backlash", {"backlash_half_width": 0.002}) from ``backlash:backlash_half_width=0.002``."""
     name, _, rest = text.partition(":")
@@ -120,11 +134,14 @@ def _named_numbers(option: str, text: str) -> tuple[str, dict[str, float]]:
 def _numbers(option: str, text: str) -> dict[str, float]:
     numbers = {}
     for part in filter(None, text.split(",")):
-        name, _, value = part.partition("=")
+        name, _, text_of_value = part.partition("=")
         try:
-            numbers[name.strip()] = float(value)
+            value = float(text_of_value)
         except ValueError:
             raise UsageError(f"{option}: {part!r} is no setting; expected PARAMETER=NUMBER, e.g. mass=1.5") from None
+        if name.strip() in numbers:
+            raise UsageError(f"{option}: {name.strip()} is given twice; expected one value: remove one of them")
+        numbers[name.strip()] = value
     return numbers
 
 

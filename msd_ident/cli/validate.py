@@ -24,7 +24,7 @@ simulation_option = partial(typer.Option, rich_help_panel=SIMULATION)
 
 
 PathsArgument = Annotated[
-    list[Path] | None, typer.Argument(metavar="PATH…", help="rosbag2 folder, .mcap, .csv or .mat file")
+    list[Path] | None, options.path_argument(metavar="PATH…", help="rosbag2 folder, .mcap, .csv or .mat file")
 ]
 RefitZeroOption = Annotated[
     bool, options.model_option("--refit-zero", help="also fit the encoder's zero; default: the zero of the result")

@@ -16,6 +16,7 @@ from msd_ident.data.motion import observe
 from msd_ident.data.record import MINIMUM_SAMPLES, from_samples
 from msd_ident.errors import DataError
 from msd_ident.io.bag import Bag, open_bag
+from msd_ident.io.signal_choice import force_beside
 from msd_ident.io.source_options import SourceOptions
 
 _KIND = "sensor_msgs/msg/JointState"
@@ -32,12 +33,14 @@ class Joint:
         name: of the joint.
         has_effort: whether its messages carry an effort.
         place: in its messages, where another joint has the same name; its name here then ends with it.
+        force: topic of the force that belongs to it, where there is one beside the joint's own effort.
     """
 
     topic: str
     name: str
     has_effort: bool
     place: str = ""
+    force: str = ""
 
     @property
     def position(self) -> str:
@@ -51,8 +54,9 @@ class Joint:
 
     @property
     def options(self) -> str:
-        """Options to paste: its position, and its effort as force; a free decay where there is none."""
-        force = f"--force {shlex.quote(self.effort)} --force-unit N·m" if self.has_effort else "--force none"
+        """Options to paste: its position, and its effort or the force beside it; a free decay where there is none."""
+        given = self.effort if self.has_effort else self.force
+        force = f"--force {shlex.quote(given)} --force-unit N·m" if given else "--force none"
         return f"{force} --position {shlex.quote(self.position)} --position-unit rad"
 
 
@@ -98,7 +102,9 @@ def moving_joints(bag: Bag) -> dict[Joint, bool]:
     for joint, reading in _readings(bag, None):
         found.setdefault(joint, []).append(reading)
     return {
-        replace(joint, has_effort=any(one.has_effort for one in readings)): _moves([one.position for one in readings])
+        replace(
+            joint, has_effort=any(one.has_effort for one in readings), force=force_beside(bag.topics, joint.topic)
+        ): _moves([one.position for one in readings])
         for joint, readings in found.items()
     }
 

@@ -111,6 +111,17 @@ def choose_force(
     return Source(found[0], parse_field(FORCE_FIELDS[found[0].type]))
 
 
+def force_beside(topics: Mapping[str, Topic], position: str) -> str:
+    """Name of the topic of the force in the namespace of a position; empty where there is none.
+
+    Args:
+        topics: of the bag, by name.
+        position: name of the position's topic.
+    """
+    found = [topic.name for topic in _called(topics, _FORCE_NAMES) if topic.type in FORCE_FIELDS]
+    return next((name for name in found if _namespace(name) == _namespace(position)), "")
+
+
 def _named(topics: Mapping[str, Topic], wanted: str, defaults: Mapping[str, str], option: str, bag: str) -> Source:
     name, _, field = wanted.partition(":")
     topic = topics.get(name) or topics.get(f"/{name}") or _only([t for t in topics if t.endswith(f"/{name}")], topics)

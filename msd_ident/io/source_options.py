@@ -79,6 +79,11 @@ class SourceOptions:
                     f"{name.replace('_', ' ')} is {scale}; expected a finite number other than 0: the size of the "
                     "record's unit, such as 0.001"
                 )
+        if self.time_scale is not None and self.time_scale < 0.0:
+            raise UsageError(
+                f"time scale is {self.time_scale:g}; expected a number above 0, the seconds in one unit of the time "
+                "column, such as 0.001: times cannot be inverted"
+            )
         for quantity, unit, scale in (
             (units.FORCE, self.force_unit, self.force_scale),
             (units.POSITION, self.position_unit, self.position_scale),

@@ -8,7 +8,18 @@ import shlex
 from pathlib import Path
 
 import pytest
-from bagmaker import JOINTS, START_NS, Message, encoder_messages, joints, make_bag, stamps, step_experiment, storage
+from bagmaker import (
+    JOINTS,
+    START_NS,
+    Message,
+    encoder_messages,
+    force_messages,
+    joints,
+    make_bag,
+    stamps,
+    step_experiment,
+    storage,
+)
 
 from msd_ident.cli import main
 
@@ -106,6 +117,24 @@ def test_joints_of_one_name_are_named_by_their_place(tmp_path: Path, info) -> No
     _, out, _ = info(arm(tmp_path / "arm", ("arm", "tool", "arm")))
     assert "--force '/joint_states:effort[0]' --force-unit N·m --position '/joint_states:position[0]'" in out
     assert "--force none --position '/joint_states:position[2]'" in out
+
+
+def test_the_force_beside_a_position_is_proposed(tmp_path: Path, info) -> None:
+    """Of two rigs in a bag a free decay was proposed."""
+    messages = [
+        message
+        for rig in ("a", "b")
+        for message in (*encoder_messages(stamps(), f"/{rig}/encoder"), *force_messages(topic=f"/{rig}/force"))
+    ]
+    bag = make_bag(tmp_path / "bag", messages)
+    code, out, _ = info(bag)
+    pasted = [line.strip() for line in out.splitlines() if line.strip().startswith("--force")]
+    assert code == 0 and pasted == [
+        f"--force /{rig}/force --force-unit N·m --position '/{rig}/encoder:position[cart]' --position-unit rad"
+        for rig in ("a", "b")
+    ]
+    code, out, err = info(bag, *shlex.split(pasted[1]))
+    assert (code, err) == (0, "") and "force:    /b/force:wrench.force.x" in out
 
 
 def test_json_holds_everything(tmp_path: Path, info) -> None:

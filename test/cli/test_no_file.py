@@ -69,6 +69,25 @@ def test_other_files_are_refused_too(places: Path, arguments: list[str], words: 
     refused(arguments, words, places)
 
 
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["identify", ""],
+        ["diagnose", "record.csv", ""],
+        ["info", ""],
+        ["repair", ""],
+        ["validate", "result.json", ""],
+        ["export", "", "--to", "urdf", "--out", "x.urdf"],
+        ["run", "", "--limits", "limits.yaml"],
+        ["design", "", "--limits", "limits.yaml"],
+        ["batch", "", "--out", "x.parquet"],
+    ],
+    ids=lambda words: words[0],
+)
+def test_an_empty_path_is_not_the_current_folder(places: Path, arguments: list[str]) -> None:
+    refused(arguments, "an empty path; expected a file or folder: check the variable that it comes from, or", places)
+
+
 def refused(arguments: list[str], words: str, folder: Path) -> None:
     """In one line and exit code 2; where it reads on it is killed, and has none."""
     done = commands.run(arguments, folder, 30.0)

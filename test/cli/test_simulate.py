@@ -78,6 +78,15 @@ MISTAKES = [
     (("--rig", "ferrari"), "no rig 'ferrari'; expected one of backlash,"),
     (("--experiment", "kick"), "no experiment 'kick'; expected one of paper,"),
     (("--experiment", "step:fource=1"), "experiment step has no option 'fource'; expected one of force,"),
+    (("--set", "mass=1", "--set", "mass=2"), "--set: mass is given twice; expected one value: remove one of them"),
+    (
+        ("--effect", "backlash:backlash_half_width=1,backlash_half_width=2"),
+        "--effect: backlash_half_width is given twice; expected one value",
+    ),
+    (
+        ("--effect", "backlash", "--effect", "backlash:backlash_half_width=0.1"),
+        "--effect backlash is given twice; expected it once, with all its parameters: join them",
+    ),
     (("--set", "mass"), "--set: 'mass' is no setting; expected PARAMETER=NUMBER"),
     (("--set", "mass=-1"), "rig mass is -1 kg; expected 1e-09 or more"),
     (("--rate", 10, "--duration", 1), "10 position samples; expected at least 20"),
@@ -96,7 +105,7 @@ def test_mistakes_get_one_line_and_code_2_and_leave_no_file(msd, tmp_path, words
 def test_nothing_is_overwritten_without_force(msd, tmp_path, name):
     assert msd("--out", tmp_path / name, "--duration", 0.5)[0] == 0
     code, _, wrong = msd("--out", tmp_path / name, "--duration", 1)
-    assert code == 2 and "exists; expected a new name: give another one, or --force to replace it" in wrong
+    assert code == 2 and "exists; expected a new name: give another one, or --overwrite to replace it" in wrong
     assert read(tmp_path / name).samples == 500
     assert msd("--out", tmp_path / name, "--duration", 1, "--force")[0] == 0
     assert read(tmp_path / name).samples == 1000

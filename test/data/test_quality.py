@@ -216,6 +216,17 @@ def test_a_rate_that_changes_is_told() -> None:
     assert "1000 Hz" in finding.sentence
 
 
+def test_samples_in_pairs_are_told_as_that() -> None:
+    """Every third message without a position was "mixed: 33.33 Hz and 33.33 Hz"."""
+    record = experiment()
+    finding = only(keep(record, np.flatnonzero(np.arange(record.samples) % 3)))
+    assert finding.code == "two_rates"
+    assert finding.sentence == (
+        "samples come in pairs: two sources take turns, at 333.3 Hz and 333.3 Hz, or every third sample is lost: check "
+        "that one source alone gives the position, and that each of its messages holds it"
+    )
+
+
 def test_stamps_that_scatter_in_long_runs_are_no_second_rate() -> None:
     """Intervals of a measured joint, 0.7 to 1.8 ms around 1 ms, were called 1000 Hz and 714 Hz."""
     record, rng = experiment(), np.random.default_rng(4)

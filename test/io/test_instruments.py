@@ -509,6 +509,10 @@ def test_a_broken_mat_file_is_refused(tmp_path: Path) -> None:
         ({"rate": 0.0}, "rate is 0; expected a sampling rate above 0, e.g. --rate 100"),
         ({"rate": 9.0, "time": "t"}, "a rate of 9 and the time column t; expected one of them"),
         ({"rate": 9.0, "time_scale": 0.001}, "a rate of 9 and a time scale of 0.001; expected one of them"),
+        (
+            {"time_scale": -1.0},
+            "time scale is -1; expected a number above 0, the seconds in one unit of the time column",
+        ),
         ({"run": "first"}, "run is 'first'; expected its number, or all, e.g. --run 2"),
     ],
 )

@@ -23,11 +23,7 @@ def sampling(record: Record) -> Iterator[Finding]:
     intervals = np.diff(record.time)
     fast, slow = _rates(intervals)
     if fast and slow:
-        yield warning(
-            "two_rates",
-            f"two sampling rates are mixed: {1 / fast:.4g} Hz and {1 / slow:.4g} Hz: check that one source alone gives "
-            "the position, at one rate",
-        )
+        yield warning("two_rates", _of_rates(fast, slow))
     period = slow or record.period
     yield from _gaps(record, intervals, period)
     regular = intervals[np.abs(intervals - period) < 0.5 * period]
@@ -39,6 +35,18 @@ def sampling(record: Record) -> Iterator[Finding]:
             f"the intervals between samples scatter by {1e3 * jitter:.3g} ms around {1e3 * period:.4g} ms "
             f"({100 * jitter / period:.0f} %): stamp the samples when they are taken",
         )
+
+
+def _of_rates(fast: float, slow: float) -> str:
+    if fast == slow:
+        return (
+            f"samples come in pairs: two sources take turns, at {1 / fast:.4g} Hz and {1 / slow:.4g} Hz, or every "
+            "third sample is lost: check that one source alone gives the position, and that each of its messages holds it"
+        )
+    return (
+        f"two sampling rates are mixed: {1 / fast:.4g} Hz and {1 / slow:.4g} Hz: check that one source alone gives the "
+        "position, at one rate"
+    )
 
 
 def _gaps(record: Record, intervals: FloatArray, period: float) -> Iterator[Finding]:
