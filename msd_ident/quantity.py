@@ -11,6 +11,11 @@ Z95 = 1.959963984540054
 MAD = 1.482602218505602
 
 
+def counted(number: int | str, noun: str) -> str:
+    """A number of things in words, such as ``1 topic`` and ``2 topics``."""
+    return f"{number} {noun}" if str(number) == "1" else f"{number} {noun}s"
+
+
 @dataclass(frozen=True)
 class Quantity:
     """An estimated value, its standard deviation and its unit.

@@ -93,7 +93,7 @@ class Comparison:
         if one.kind == "explained":
             return f"{one.parameter} varies with {' and '.join(one.tied_with)}, not with the {self.by}"
         sizes = [
-            f"{abs(size):.2g} % ± {half:.1g} {'lower' if size < 0.0 else 'higher'} on {self.by} {group}"
+            f"{_with_half(abs(size), half)} {'lower' if size < 0.0 else 'higher'} on {self.by} {group}"
             for group, (size, half) in one.percent.items()
         ]
         text = f"{one.parameter} is {', '.join(sizes)}"
@@ -166,6 +166,14 @@ def compare(measured: Sequence[Measured], by: str, remarks: Sequence[str] = ()) 
         by, counts, model.effect_names, differences, tuple(estimates), tau,
         _joint(estimates, groups, differing), (*remarks, *failed, *_warnings(made, counts, by)),
     )  # fmt: skip
+
+
+def _with_half(size: float, half: float) -> str:
+    """A size and half its interval [%], as many digits of both behind the point as the first digit of the half has."""
+    if not 0.0 < half < math.inf:
+        return f"{size:.2g} % ± {half:.1g}"
+    digits = max(-math.floor(math.log10(float(f"{half:.1g}"))), 0)
+    return f"{size:.{digits}f} % ± {half:.{digits}f}"
 
 
 def _estimates(measured: Sequence[Measured], model: Any, fixed: frozenset[str]) -> tuple[list[Estimate], list[str]]:

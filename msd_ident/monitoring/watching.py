@@ -15,7 +15,7 @@ from msd_ident.errors import DataError, UsageError
 from msd_ident.model.base_model import FRICTION_FORCE, PLANT
 from msd_ident.monitoring.alarm import Detector, Ranks, Regression, rank_evidence, shift_evidence
 from msd_ident.monitoring.changes import Change, changes
-from msd_ident.quantity import probability
+from msd_ident.quantity import counted, probability
 
 SCHEMA = "msd.watch/1"
 #: Parameters that are watched: those that every model has, so that a series has no gaps.
@@ -137,7 +137,8 @@ class Watch:
             for change, one in found
         )
         return (
-            f"{outcome} in {len(self.samples)} records, at most {self.rate:g} false alarms a year on average"
+            f"{outcome} in {len(self.samples)} records, at most {counted(f'{self.rate:g}', 'false alarm')} a year "
+            "on average"
             f"{'; change points: ' + listed if listed else '; no change points'}"
         )
 

@@ -129,9 +129,10 @@ class RigNode(Node):
         if not in_time and stamp >= self._first_ns:
             self.late += 1
             behind = self._rig.time - acts / NANO
+            many = f"{self.late} forces came late and act" if self.late > 1 else "1 force came late and acts"
             self.get_logger().warning(
-                f"{self.late} forces came late and act from now on (the last one {behind:.3f} s); expected stamps of "
-                "the rig's clock, at most the parameter latency old: does the sender use the same clock?",
+                f"{many} from now on (the last one {behind:.3f} s); expected stamps of the rig's clock, at most the "
+                "parameter latency old: does the sender use the same clock?",
                 throttle_duration_sec=QUIET,
             )
 

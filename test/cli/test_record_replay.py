@@ -50,7 +50,7 @@ def test_what_is_recorded_is_replayed(ros_domain: int, tmp_path: Path) -> None:
             os.kill(recording.pid, signal.SIGINT)
             output, _ = recording.communicate(timeout=60.0)
         assert recording.returncode == 0
-        assert output == f"50 messages of 1 topics, none lost, in {tmp_path / 'bag'}\n"
+        assert output == f"50 messages of 1 topic, none lost, in {tmp_path / 'bag'}\n"
         assert [message.data for message in iterate_messages(tmp_path / "bag")] == sent
         ros.node.destroy_publisher(publisher)
         heard: list[bytes] = []
@@ -113,12 +113,12 @@ def test_the_namespace_is_found(ros_domain: int, tmp_path: Path, spaces: tuple[s
         code, output, said = recorded()
         if len(spaces) == 1:
             assert code == 0, said
-            assert output.startswith("1 messages of 1 topics, none lost")
+            assert output.startswith("1 message of 1 topic, none lost")
             assert "recording in the namespace /msd" in said
             return
         assert code == 2 and "in 2 namespaces (/one, /two); expected one: say --namespace /one" in said
         code, output, said = recorded("--namespace", "two")
-        assert code == 0 and output.startswith("1 messages of 1 topics, none lost"), said
+        assert code == 0 and output.startswith("1 message of 1 topic, none lost"), said
 
 
 @pytest.fixture

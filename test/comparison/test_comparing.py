@@ -11,7 +11,7 @@ from batchrigs import PLANT, row, steps  # noqa: E402
 
 from msd_ident.batching import table  # noqa: E402
 from msd_ident.comparison import rows  # noqa: E402
-from msd_ident.comparison.comparing import Comparison, compare  # noqa: E402
+from msd_ident.comparison.comparing import Comparison, Difference, compare  # noqa: E402
 from msd_ident.comparison.estimates import Measured, structure  # noqa: E402
 from msd_ident.comparison.joint import joint_fit  # noqa: E402
 from msd_ident.errors import DataError, UsageError  # noqa: E402
@@ -127,3 +127,24 @@ def test_tables_that_cannot_be_compared_are_refused(
     with pytest.raises(error) as refused:
         rows.measured(table.made(made), by)
     assert says in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("size", "half", "words"),
+    [
+        (3.20314, 0.00052, "3.2031 % ± 0.0005"),
+        (3.07, 0.63, "3.1 % ± 0.6"),
+        (12.4, 3.2, "12 % ± 3"),
+        (12.4, 0.96, "12 % ± 1"),
+        (141.0, 37.0, "141 % ± 37"),
+        (3.2, float("inf"), "3.2 % ± inf"),
+        (3.2, 0.0, "3.2 % ± 0"),
+    ],
+)
+def test_a_difference_has_the_digits_of_its_interval(size: float, half: float, words: str) -> None:
+    found = Difference(
+        parameter="stiffness", unit="N/m", values={}, probability=1.0, rivals={}, percent={"B": (-size, half)},
+        resolution=1.0, kind="differs",
+    )  # fmt: skip
+    made = Comparison("robot", {"A": 2, "B": 2}, (), (found,), (), {}, (), ())
+    assert made.sentence.startswith(f"stiffness is {words} lower on robot B (p ")

@@ -42,7 +42,7 @@ def test_a_change_is_dated_sized_and_alarmed() -> None:
     (change,) = told["stiffness"]
     assert change.index == 100 and change.probability > 0.99 and change.percent == pytest.approx(-3.0, abs=0.3)
     assert told["mass"] == () and told["damping"] == ()
-    assert "stiffness changed by" in found.sentence and "at most 1 false alarms a year" in found.sentence
+    assert "stiffness changed by" in found.sentence and "at most 1 false alarm a year" in found.sentence
 
 
 @pytest.mark.parametrize("measured", [True, False])

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -138,6 +139,8 @@ def test_a_rig_that_comes_late_learns_the_present_force(lab):
 
 def test_a_force_without_a_stamp_acts_from_its_receipt_and_a_late_one_at_once(lab):
     rig = lab.rig(**ECP | EXACT | {"friction_coefficient": 0.0, "damping": 60.0})
+    said: list[str] = []
+    rig.get_logger = lambda: SimpleNamespace(warning=lambda words, **_: said.append(words))
     lab.matched()
     lab.force(6.941)
     lab.until(lambda: lab.positions[-1] > 0.0099, "the cart moves")
@@ -145,6 +148,11 @@ def test_a_force_without_a_stamp_acts_from_its_receipt_and_a_late_one_at_once(la
     lab.force(-6.941, lab.stamps[0] + NANO // 1000)
     lab.until(lambda: lab.positions[-1] < -0.0099, "the cart moves back")
     assert rig.late == 1
+    assert said[0].startswith("1 force came late and acts from now on (the last one ")
+    assert said[0].endswith(
+        " s); expected stamps of the rig's clock, at most the parameter latency old: does the "
+        "sender use the same clock?"
+    )
     lab.force(float("nan"))
     lab.force(0.0)
     lab.until(lambda: abs(lab.positions[-1]) < 1e-4, "the rig has refused a force that is no number")

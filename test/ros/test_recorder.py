@@ -179,7 +179,7 @@ def test_what_the_disk_cannot_take_is_counted_and_never_blocks(tmp_path: Path) -
     recording.put("/x", b"", 2, 2)
     summary = recording.close()
     assert summary.refused == 1 and summary.lost == 1
-    assert summary.sentence == f"2 messages of 1 topics, 1 lost, in {tmp_path / 'bag'}"
+    assert summary.sentence == f"2 messages of 1 topic, 1 lost, in {tmp_path / 'bag'}"
 
 
 def test_a_disk_that_fails_ends_the_recording_with_a_sentence(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -270,4 +270,4 @@ def test_numbers_of_two_publishers_tell_of_no_loss(ros: Graph, tmp_path: Path, l
     for turn in range(20):
         (first if turn % 2 else second).publish(Float64(data=float(turn)))
         until(lambda turn=turn: node.summary and node.summary.messages > turn, "the message")
-    assert "20 messages of 1 topics, none lost" in ros.call(Trigger, STOP, Trigger.Request()).message
+    assert "20 messages of 1 topic, none lost" in ros.call(Trigger, STOP, Trigger.Request()).message

@@ -62,7 +62,7 @@ def test_a_killed_recorder_goes_on_in_a_new_bag(ros: Graph, tmp_path: Path) -> N
         first = next(sent)
         until(lambda: next(sent) > first + 100, "some messages")
         stopped = ros.call(Trigger, "recorder/stop", Trigger.Request())
-        assert stopped.success and " messages of 1 topics, none lost" in stopped.message
+        assert stopped.success and " messages of 1 topic, none lost" in stopped.message
         process.send_signal(signal.SIGINT)
         assert process.wait(20.0) == 0
     for bag in bags(tmp_path):

@@ -125,7 +125,7 @@ def test_the_recorder_closes_its_bag(ros: Graph, tmp_path: Path) -> None:
             encoder.publish(joints(START_NS + index, [index * 1e-3]))
         assert encoder.wait_for_all_acked(rclpy.duration.Duration(seconds=20))
         interrupt_twice(process)
-        assert "200 messages of 1 topics, none lost" in ended(process)
+        assert "200 messages of 1 topic, none lost" in ended(process)
     bag = open_bag(tmp_path / "bag")
     assert len(list(bag.messages())) == 200 and not bag.notes
 

@@ -41,7 +41,8 @@ def _of_rates(fast: float, slow: float) -> str:
     if fast == slow:
         return (
             f"samples come in pairs: two sources take turns, at {1 / fast:.4g} Hz and {1 / slow:.4g} Hz, or every "
-            "third sample is lost: check that one source alone gives the position, and that each of its messages holds it"
+            "third sample is lost: check that one source alone gives the position, and that each of its messages holds "
+            "it"
         )
     return (
         f"two sampling rates are mixed: {1 / fast:.4g} Hz and {1 / slow:.4g} Hz: check that one source alone gives the "

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from msd_ident.io import BagWriter, OfferedQos, qos_to_yaml
 from msd_ident.io.writer import SPLIT_BYTES, Compression
+from msd_ident.quantity import counted
 from msd_ident.ros.common.missing_samples import TopicCount
 
 #: Longest time without messages after which the writer sees what it has onto the disk [s].
@@ -39,7 +40,8 @@ class Summary:
     def sentence(self) -> str:
         """For people."""
         loss = f", {self.lost} lost" if self.lost else ", none lost"
-        text = f"{self.messages} messages of {len(self.topics)} topics{loss}, in {self.folder}"
+        held = f"{counted(self.messages, 'message')} of {counted(len(self.topics), 'topic')}"
+        text = f"{held}{loss}, in {self.folder}"
         return f"{text}; {self.error}" if self.error else text
 
 

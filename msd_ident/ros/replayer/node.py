@@ -16,6 +16,7 @@ from rosgraph_msgs.msg import Clock as ClockMessage
 
 from msd_ident.errors import DataError, SetupError, UsageError
 from msd_ident.io import Bag, RawMessage, open_bag
+from msd_ident.quantity import counted
 from msd_ident.ros.common import names
 from msd_ident.ros.common.conversions import message_class, time_message
 from msd_ident.ros.common.node_runner import NodeOwner
@@ -103,7 +104,7 @@ class Replayer(NodeOwner):
             self._wait_until_taken()
         except Exception as error:  # reported at the end, as the one line of the program
             self._failure = str(error)
-        self._log.info(f"played {self.sent} messages of {len(self._publishers)} topics")
+        self._log.info(f"played {counted(self.sent, 'message')} of {counted(len(self._publishers), 'topic')}")
         self._on_end()
 
     def _play_once(self) -> None:
