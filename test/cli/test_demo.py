@@ -81,7 +81,7 @@ def test_a_demo_finds_the_rig_while_another_records_and_is_interrupted_and_both_
         until(lambda: len(list(tmp_path.glob("*/paper"))) == 2 or one.ended or two.ended, "both record", 240.0)
         os.kill(two.process.pid, signal.SIGINT)
         code, _, errors = two.end()
-        assert code == 130 and not errors
+        assert (code, errors) == (130, "msd: interrupted\n")
         code, output, errors = one.end()
     assert code == 0 and not errors, errors
     for words in ("Features (Table 1)", "Standard form (Table 2)", "Physical parameters (Table 3)", "SEE reduction"):
