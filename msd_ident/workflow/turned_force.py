@@ -24,7 +24,8 @@ def leaves_less(as_it_is: Sequence[Record], turned: Sequence[Record]) -> bool:
 
 
 def leaves_far_less(as_it_is: Sequence[Record], turned: Sequence[Record], *, asked: bool) -> bool:
-    """Whether with the force turned a plant with dry friction, on a spring or without, leaves less than half its error.
+    """Whether with the force turned a plant with dry friction, on a spring or without, leaves less than half the error of
+    either.
 
     Where no regression asks, the fits decide alone: then the force turned must show a mass, and the force as it is
     none, with a spring or without. Measured: of five axes without a spring, read upright and inverted, all upright ones
@@ -47,11 +48,9 @@ def leaves_far_less(as_it_is: Sequence[Record], turned: Sequence[Record], *, ask
         upright.append(_fitted(as_it_is, sprung))
         if not asked and _shows_mass(upright[-1], as_it_is):
             return False
+    least = min(fitted.see for fitted in upright)
     other = [_fitted(turned, sprung) for sprung in structures]
-    return any(
-        one.see < MOST_OF * before.see and (asked or _shows_mass(one, turned))
-        for before, one in zip(upright, other, strict=True)
-    )
+    return any(one.see < MOST_OF * least and (asked or _shows_mass(one, turned)) for one in other)
 
 
 def _shows_mass(found: FitResult, records: Sequence[Record]) -> bool:

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.signal import lfilter
 
 from msd_ident.data.record import Record, from_samples
 from msd_ident.model import Plant, simulate
@@ -57,6 +58,17 @@ def test_a_force_that_moves_nothing_is_not_turned() -> None:
     record = from_samples(time, force, swaying)
     assert not leaves_far_less([record], [turned(record)], asked=False)
     assert not leaves_far_less([turned(record)], [record], asked=False)
+
+
+@pytest.mark.parametrize("seed", [0, 2])
+def test_a_mass_alone_does_not_turn_the_force_that_a_spring_explains(seed: int) -> None:
+    """Under one step a parabola with a start of its own leaves less than a mass that the force pushes for ever."""
+    rng, time = np.random.default_rng(seed), 0.05 * np.arange(210)
+    step = 5.0 * (time >= 1.0)
+    gust = 0.3 * lfilter([math.sqrt(1.0 - 0.9**2)], [1.0, -0.9], rng.standard_normal(210)) * (time >= 1.0)
+    moved = simulate(Plant(0.6, 12.0, 48.0), from_samples(time, step + gust, 0.0 * time)).position
+    record = from_samples(time, step, moved)
+    assert not leaves_far_less([record], [turned(record)], asked=False)
 
 
 def hanging(seconds: float, fastest: float, strength: float) -> Record:

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from msd_ident.data.record import Record, from_samples
 from msd_ident.estimate import Initial, fit
@@ -185,6 +186,22 @@ def test_a_pendulum_that_stays_below_its_axis_is_not_unstable(seed: int) -> None
     record = kicked(seed)
     assert float(np.max(np.abs(record.position))) < 0.5 * math.pi
     assert by_regression([record]) is None
+
+
+def stepped(seed: int) -> Record:
+    """A joint on a spring that rises after a step of the force, by 0.1 rad in all, in gusts that nobody recorded."""
+    rng, time = np.random.default_rng(seed), 0.05 * np.arange(210)
+    step = 5.0 * (time >= 1.0)
+    gust = 0.3 * lfilter([math.sqrt(1.0 - 0.9**2)], [1.0, -0.9], rng.standard_normal(210)) * (time >= 1.0)
+    moved = simulate(Plant(0.6, 12.0, 48.0), from_samples(time, step + gust, 0.0 * time)).position
+    seen = np.radians(np.round(np.degrees(moved), 2))
+    return replace(from_samples(time, step, seen), position_unit="rad", force_unit="V")
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_joint_that_rises_and_stays_is_not_unstable(seed: int) -> None:
+    """A regression gave it a spring of 1e5 V/rad and a weight that cancels it: "cut into 9 stretches ... hangs"."""
+    assert by_regression([stepped(seed)]) is None
 
 
 def test_a_weight_that_the_stretches_do_not_show_is_none() -> None:
