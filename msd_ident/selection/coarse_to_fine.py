@@ -36,8 +36,8 @@ def search(
     """Search for sets of causes on thinned samples, then refine and judge the leading sets on all samples.
 
     A set that is far behind on a part of the data is further behind on all of it. If the part was simulated with
-    lines of force between its few samples, a cause may have helped only against the error of that; so simpler sets are
-    judged on all samples too. The search goes on with all samples if these show a misfit that the part does not show,
+    mean forces, or lines, between its few samples, a cause may have helped only against the error of that; so simpler
+    sets are judged on all samples too. The search goes on with all samples if these show a misfit that the part does not show,
     or if the part cannot tell.
 
     Args:
@@ -157,7 +157,7 @@ def _simpler(ahead: Ranking) -> list[Hypothesis]:
 
 
 def _coarser(thin: Experiment, friction: Hypothesis, left: float) -> tuple[Experiment, Callable[[Hypothesis], bool]]:
-    """Longer steps, and lines of force between samples where that spares most of them, far from the noise.
+    """Longer steps, far from the noise; and where it spares most of them the mean force between samples, or a line.
 
     Args:
         thin: thinned samples.
@@ -168,7 +168,8 @@ def _coarser(thin: Experiment, friction: Hypothesis, left: float) -> tuple[Exper
         The experiment to search on, and whether a set fitted there leaves so little that their error hides the rest.
     """
     spares = sum(one.samples for one in thin.records) < MOST_OF * sum(one.force.size for one in thin.records)
-    for coarse in (thin.with_force_lines().loose(), thin.loose()) if spares else (thin.loose(),):
+    fewer = (thin.with_mean_force(), thin.with_force_lines()) if spares else ()
+    for coarse in (one.loose() for one in (*fewer, thin)):
         if left > FAR and _change(thin, coarse, friction) < TENTH**2 * left * thin.evidence:
             return coarse, partial(_is_blurred, thin, coarse)
     return thin, lambda fitted: False

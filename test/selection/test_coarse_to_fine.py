@@ -31,7 +31,7 @@ def swept() -> Record:
     return from_samples(made.time, made.force[np.maximum(place, 0)], made.position)
 
 
-def test_lines_of_force_are_left_once_they_hide_what_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_mean_forces_are_left_once_they_hide_what_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
     """They keep the truth itself from the noise: searched for it, everything helps a little, for minutes."""
     fitted: set[frozenset[str]] = set()
     keep = fitted_sets.FittedSets._keep
