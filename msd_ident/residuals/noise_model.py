@@ -155,7 +155,7 @@ class Readings:
     def _changes_seldom(self) -> bool:
         """Whether the force is held, and changes less often than the position is sampled."""
         record = self.record
-        return record.hold == "zero" and np.count_nonzero(np.diff(record.force)) < record.samples
+        return record.hold == "zero" and int(np.count_nonzero(np.diff(record.force))) < record.samples
 
     def chi(self, residual: FloatArray) -> float:
         """Weighted sum of squares of a residual (n,) in units of the noise; about ``evidence`` for the true model."""

@@ -37,8 +37,8 @@ def search(
 
     A set that is far behind on a part of the data is further behind on all of it. If the part was simulated with
     mean forces, or lines, between its few samples, a cause may have helped only against the error of that; so simpler
-    sets are judged on all samples too. The search goes on with all samples if these show a misfit that the part does not show,
-    or if the part cannot tell.
+    sets are judged on all samples too. The search goes on with all samples if these show a misfit that the part does
+    not show, or if the part cannot tell.
 
     Args:
         experiment: all samples.

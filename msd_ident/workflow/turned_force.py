@@ -24,8 +24,8 @@ def leaves_less(as_it_is: Sequence[Record], turned: Sequence[Record]) -> bool:
 
 
 def leaves_far_less(as_it_is: Sequence[Record], turned: Sequence[Record], *, asked: bool) -> bool:
-    """Whether with the force turned a plant with dry friction, on a spring or without, leaves less than half the error of
-    either.
+    """Whether with the force turned a plant with dry friction, on a spring or without, leaves less than half the error
+    of either with the force as it is.
 
     Where no regression asks, the fits decide alone: then the force turned must show a mass, and the force as it is
     none, with a spring or without. Measured: of five axes without a spring, read upright and inverted, all upright ones
