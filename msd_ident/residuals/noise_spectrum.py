@@ -36,6 +36,12 @@ _MEMORIES = fixed(
 )
 _WHITE = fixed((0.0, 0.02, 0.1, 0.3), "mathematics", "white parts that are tried")
 _SLOW = fixed(1e-30, "accuracy", "power of a third difference below which a frequency is none")
+_MISFIT = fixed(
+    TENTH,
+    "accuracy",
+    "misfit of a spectrum up to which it is that of the noise: off by a factor of 1.5. Measured: noise has 0.001 to "
+    "0.02, the motion of a second mass or a gear's play that was taken for noise 0.32 to 3.1",
+)
 _FINE = fixed(4, "mathematics", "bins of an octave over which a spectrum hardly changes")
 
 
@@ -49,6 +55,7 @@ class NoiseSpectrum:
         memory: τ of the other part [samples]; 0 where all is white.
         left: (BANDS,) sum of squares that it leaves in each octave, in units of the readings' noise.
         freedom: (BANDS,) degrees of freedom of each octave.
+        misfit: mean over the fastest band of r − 1 − log r, r being the residual's power over that of this noise.
     """
 
     level: float
@@ -56,6 +63,7 @@ class NoiseSpectrum:
     memory: float
     left: FloatArray
     freedom: FloatArray
+    misfit: float
 
     @property
     def chi(self) -> float:
@@ -88,10 +96,12 @@ class NoiseSpectrum:
 
         They show it where its level is known to ``NOISE_ERROR``, and it is not mostly rounding: the rounding error of
         an encoder at rest is constant, which looks slow. Where it dominates at rest, the noise in motion must be more.
+        And more noise than the readings told must have its shape in the fastest band: a motion that rings has not.
         """
         known = 2.0 / self.freedom[-1] <= NOISE_ERROR**2
         rounded = any(part.rounded for part in readings)
-        shown = known and (not rounded or self.growth**2 > 1.0 + NOISE_ERROR)
+        more = self.growth**2 > 1.0 + NOISE_ERROR
+        shown = known and (self.misfit < _MISFIT if more else not rounded)
         return bool(shown and sum(float(one @ one) for one in residuals) < (1.0 + NOISE_ERROR) * self.chi)
 
     def whitened(self, residual: FloatArray) -> FloatArray:
@@ -149,7 +159,9 @@ def estimate(residuals: Sequence[FloatArray], readings: Sequence[Readings]) -> N
     best = int(np.argmax(likelihood)) if coloured else 0
     level = _levels(bins, shapes)[best]
     left = (level * shapes[best] * bins.freedom) @ bins.within
-    return NoiseSpectrum(float(level), *tried[best], left, bins.freedom @ bins.within)
+    return NoiseSpectrum(
+        float(level), *tried[best], left, bins.freedom @ bins.within, _misfit(bins, level * shapes[best])
+    )
 
 
 def only_noise(residuals: Sequence[FloatArray], readings: Sequence[Readings]) -> NoiseSpectrum | None:
@@ -186,6 +198,13 @@ def _shape(frequency: FloatArray, white: float, memory: float) -> FloatArray:
         return np.ones_like(frequency)
     keep = math.exp(-1.0 / memory)
     return white + (1.0 - white) * (1.0 - keep**2) / (1.0 + keep**2 - 2.0 * keep * np.cos(frequency))
+
+
+def _misfit(bins: _Bins, size: FloatArray) -> float:
+    """Mean over the fastest band of r − 1 − log r, r being the power there over that of this noise (b,)."""
+    inside = bins.fast > 0.0
+    ratio = np.maximum(bins.power[inside] / (bins.freedom[inside] * size[inside]), 1e-12)
+    return float(np.average(ratio - 1.0 - np.log(ratio), weights=bins.freedom[inside]))
 
 
 def _levels(bins: _Bins, shapes: FloatArray) -> FloatArray:

@@ -17,6 +17,7 @@ from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.optimize
 
 from msd_ident.data.compiled import pole_zero
 from msd_ident.data.record import FloatArray, Record
@@ -37,6 +38,7 @@ _FREQUENCIES = tuned(
 _RATIOS = tuned(
     (0.03, 0.15), unit="1", why="damping ratios of a second mass that are tried at each frequency", chosen="by hand"
 )
+_DAMPED = fixed((1e-3, 1.0), "mathematics", "damping ratios of a mass that swings by itself")
 _FASTEST = fixed(
     0.5, "mathematics", "rad a sample period: up to it the trapezoidal rule shifts a frequency by 2 % or less"
 )
@@ -64,27 +66,90 @@ def second_masses(plant: Model, record: Record, residual: FloatArray, fixed: Col
         residual: (n,) model − data [m] there.
         fixed: parameters of the plant that are not fitted.
     """
-    period = record.duration / (record.samples - 1)
-    time = record.time[0] + period * np.arange(record.samples)
-    position, left = np.interp(time, record.time, record.position), np.interp(time, record.time, residual)
-    moved, common = _common(plant, position, period)
-    free = [name not in fixed for name in ("mass", "damping", "stiffness")]
-    rows = np.column_stack([moved[:, free], common])
-    frame = np.linalg.qr(rows / np.maximum(np.linalg.norm(rows, axis=0), 1e-300))[0]
-    trials = [(float(w), ratio) for w in _frequencies(plant, record, period, THOROUGH) for ratio in _RATIOS]
-    hung = np.column_stack([filtered((0.0, 2.0 * z * w, w * w), (1.0, 2.0 * z * w, w * w), moved[:, 0], period)
-                            for w, z in trials])  # fmt: skip
-    beyond = hung - frame @ (frame.T @ hung)
-    along = beyond.T @ (left - frame @ (frame.T @ left))
-    gain = np.where(along > 0.0, along**2 / np.maximum(np.sum(beyond**2, axis=0), 1e-300), 0.0).reshape(THOROUGH, -1)
+    missing = _Missing.of(plant, record, residual, [name not in fixed for name in ("mass", "damping", "stiffness")])
+    frequencies = _frequencies(plant, record, missing.period, THOROUGH)
+    gain = np.array([[missing.gain(frequency, ratio) for ratio in _RATIOS] for frequency in frequencies.tolist()])
+    widest = (float(frequencies[0]), max(_FASTEST / missing.period, float(frequencies[-1])))
     found = []
     for peak in highest(gain.max(axis=1)):
-        trial = peak * len(_RATIOS) + int(np.argmax(gain[peak]))
-        columns = np.column_stack([moved[:, free], hung[:, trial], common])
-        size = np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
-        solution = np.linalg.lstsq(columns / size, left, rcond=1e-12)[0] / size
-        found += _start(plant, free, solution, *trials[trial])
+        trial = missing.sharpest(float(frequencies[peak]), _RATIOS[int(np.argmax(gain[peak]))], widest)
+        found += _start(plant, missing.free, missing.solution(*trial), *trial)
     return found
+
+
+@dataclass(frozen=True)
+class _Missing:
+    """The regression of a residual on what a second mass would add.
+
+    Attributes:
+        free: which of mass, damping and stiffness are fitted.
+        moved: (n, 3) what the plant makes of x″, x′ and x.
+        others: (n, q) columns beside that of the second mass.
+        frame: (n, q) orthonormal base of these.
+        left: (n,) the residual [m].
+        beyond: (n,) the part of it that ``frame`` does not reach.
+        period: between samples [s].
+    """
+
+    free: list[bool]
+    moved: FloatArray
+    others: FloatArray
+    frame: FloatArray
+    left: FloatArray
+    beyond: FloatArray
+    period: float
+
+    @classmethod
+    def of(cls, plant: Model, record: Record, residual: FloatArray, free: list[bool]) -> _Missing:
+        """The regression for a record, on even samples."""
+        period = record.duration / (record.samples - 1)
+        time = record.time[0] + period * np.arange(record.samples)
+        position, left = np.interp(time, record.time, record.position), np.interp(time, record.time, residual)
+        moved, common = _common(plant, position, period)
+        others = np.column_stack([moved[:, free], common])
+        frame = np.linalg.qr(others / np.maximum(np.linalg.norm(others, axis=0), 1e-300))[0]
+        return cls(free, moved, others, frame, left, left - frame @ (frame.T @ left), period)
+
+    def hung(self, frequency: float, ratio: float) -> FloatArray:
+        """(n,) what the plant makes of the force of 1 kg that hangs on it, with its own frequency [rad/s] and damping
+        ratio.
+        """
+        bent = 2.0 / self.period * math.tan(0.5 * frequency * self.period)  # which the trapezoidal rule bends back
+        fade, square = 2.0 * ratio * bent, bent**2
+        return filtered((0.0, fade, square), (1.0, fade, square), self.moved[:, 0], self.period)
+
+    def gain(self, frequency: float, ratio: float) -> float:
+        """Sum of squares that such a mass takes away; 0 where it would be less than nothing."""
+        hung = self.hung(frequency, ratio)
+        hung -= self.frame @ (self.frame.T @ hung)
+        along = float(hung @ self.beyond)
+        return along**2 / max(float(hung @ hung), 1e-300) if along > 0.0 else 0.0
+
+    def sharpest(self, frequency: float, ratio: float, widest: tuple[float, float]) -> tuple[float, float]:
+        """Frequency [rad/s] and damping ratio at the top of the peak of ``gain`` beside these.
+
+        Over many swings of a faintly damped mass a start must know its frequency to a part of a swing in all of them.
+        """
+
+        def lost(at: FloatArray) -> float:
+            return -self.gain(math.exp(at[0]), math.exp(at[1]))
+
+        lower, upper = np.log([widest, _DAMPED]).T
+        top = scipy.optimize.minimize(
+            lost,
+            np.clip(np.log([frequency, ratio]), lower, upper),
+            method="Nelder-Mead",
+            bounds=scipy.optimize.Bounds(lower, upper),
+            options={"maxfev": THOROUGH, "xatol": TENTH**4, "fatol": 0.0},
+        )
+        sharp, damped = np.exp(top.x).tolist()
+        return sharp, damped
+
+    def solution(self, frequency: float, ratio: float) -> FloatArray:
+        """(q + 1,) factors of the plant's free terms, of the second mass [kg], and of what is common to all."""
+        columns = np.insert(self.others, sum(self.free), self.hung(frequency, ratio), axis=1)
+        size = np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
+        return np.asarray(np.linalg.lstsq(columns / size, self.left, rcond=1e-12)[0] / size)
 
 
 def light_masses(plant: Model, record: Record) -> list[tuple[float, float, float]]:

@@ -89,6 +89,18 @@ def test_the_error_of_a_law_in_white_noise_is_not_called_noise() -> None:
         assert found.memory == 0.0 and found.level == pytest.approx(1.0, rel=0.1)
 
 
+@pytest.mark.parametrize("hertz", [40.0, 60.0, 150.0])
+def test_a_motion_that_rings_is_not_called_noise(hertz: float) -> None:
+    """A second mass that every step of the force strikes: its peak was taken for noise of 30 times the readings'."""
+    rng = np.random.default_rng(4)
+    blows = np.zeros(SAMPLES)
+    blows[rng.integers(0, SAMPLES, 15)] = rng.choice([-1.0, 1.0], 15)
+    pole = np.exp((-0.02 + 1j) * 2.0 * np.pi * hertz / 1000.0)
+    ringing = np.real(scipy.signal.lfilter([1.0], [1.0, -pole], blows))
+    residual = 30.0 * ringing / np.std(ringing) + rng.standard_normal(SAMPLES)
+    assert only_noise([residual], [containing(residual)]) is None
+
+
 def test_records_of_one_sensor_share_their_noise() -> None:
     together = found_in(noise(8.0, 1), noise(8.0, 2), noise(8.0, 3, 3000))
     assert together.memory == pytest.approx(8.0, rel=0.35)

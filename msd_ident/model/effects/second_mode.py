@@ -58,10 +58,11 @@ class SecondMode(Effect):
 
     @classmethod
     def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:
-        """See ``Effect``."""
+        """See ``Effect``: up to a swing of a dozen samples."""
+        fastest = 0.5 / seen.period
         return {
             "second_mass": (0.02 * seen.mass, 5.0 * seen.mass),
-            "second_stiffness": (1e-3 * seen.mass * seen.rate**2, 30.0 * seen.mass * seen.rate**2),
+            "second_stiffness": (1e-3 * seen.mass * seen.rate**2, seen.mass * max(30.0 * seen.rate**2, fastest**2)),
             "second_damping": (0.0, seen.mass * seen.rate),
         }
 
