@@ -18,7 +18,7 @@ from msd_ident.data.quality.sampling import SHORT_GAP
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate import FitResult
 from msd_ident.estimate.effort import LONG_RECORD
-from msd_ident.estimate.levels import BEYOND_DOUBT, MOST_OF
+from msd_ident.estimate.levels import BEYOND_DOUBT, MOST_OF, TENTH
 from msd_ident.model import Model
 from msd_ident.model.base_model import DRY_FRICTION, friction_force
 from msd_ident.quantity import MAD
@@ -84,7 +84,11 @@ def pushes(
         return ()
     whole = found.force.size
     seen = [span for span in groups if span[0] > 0 and span[1] < whole and _is_seen(record, *span)]
-    named = [_push(record, found, *span) for span in seen]
+    named = [
+        push
+        for push, span in ((_push(record, found, *span), span) for span in seen)
+        if math.isfinite(push.impulse) or push.jump or not _answers_the_force(record, *span)
+    ]
     low, high = _usual_ground(record, groups, MOST_OF * period)
     return tuple(
         push
@@ -137,6 +141,16 @@ def _is_seen(record: Record, begin: int, end: int) -> bool:
     return float(np.max(np.diff(record.time[max(begin - 5, 0) : end + 5]))) < SHORT_GAP * record.period
 
 
+def _answers_the_force(record: Record, begin: int, end: int) -> bool:
+    """Whether the force changes there as it seldom does: what pushes to and fro then is what the rig makes of this
+    change, by a law that the model lacks. Of a knock at any instant, the chance to be there is less than a tenth.
+    """
+    change = np.abs(np.diff(record.force_at(record.time)))
+    large = np.flatnonzero(change >= MOST_OF * np.max(change)) if np.any(change) else np.empty(0)
+    met = np.any((large >= begin - _LATE) & (large < end + _LATE))
+    return bool(met and large.size * (end - begin + 2 * _LATE) < TENTH * record.samples)
+
+
 def _usual_ground(record: Record, groups: Sequence[tuple[int, int]], apart: float) -> tuple[float, float]:
     """Lowest and highest position further than ``apart`` [s] from every strong missing force: beyond it a law of the
     place may act where the cart comes but once, as a rope that goes slack. No limits where less than a swing is left.
@@ -154,9 +168,9 @@ def _is_timing(record: Record, push: Push, found: int) -> bool:
     """Whether a change of the force that is a few samples early or late makes such an impulse: stamps that are off do
     so at every such change, so that there are few more of these than strong missing forces (``found``).
     """
-    force, width = record.force_at(record.time), 2 * _LATE + 1
+    force, width = record.force_at(record.time), 2 * _LATE + 2  # between two samples
     change = np.ptp(np.lib.stride_tricks.sliding_window_view(force, width), axis=1)
-    here = float(change[np.clip(np.searchsorted(record.time, push.time) - _LATE, 0, change.size - 1)])
+    here = float(change[np.clip(np.searchsorted(record.time, push.time) - _LATE - 1, 0, change.size - 1)])
     alike = np.count_nonzero(change >= MOST_OF * here) / (width - 1)
     return bool(alike < 2 * (found + 1) and abs(push.impulse) < here * _LATE * record.period)
 

@@ -15,7 +15,8 @@ from msd_ident.model import Plant
 from msd_ident.model import simulate as simulate_model
 from msd_ident.model.effects import by_name
 from msd_ident.model.effects.cubic_spring import CubicSpring
-from msd_ident.residuals.impulses import pushes, sentences
+from msd_ident.residuals import impulses
+from msd_ident.residuals.impulses import Push, pushes, sentences
 from msd_sim.api import simulate
 
 NOISE, LASTS = 1e-5, 0.02
@@ -150,6 +151,20 @@ def test_a_force_whose_stamps_are_late_is_no_push(late: int) -> None:
     assert len(pushes(bumped((0.204, 0.3)), DEMO, NOISE, 0.0)) == 1, "a bump beside a step of the force is one"
 
 
+def test_what_answers_a_rare_change_of_the_force_is_no_push_to_and_fro() -> None:
+    """Of two pulses of a cart that started late in the first one, the end of the second "pushed the cart"."""
+    time = np.arange(0.0, 6.0, 0.002)
+    pulses = np.where((time % 3.0 >= 0.5) & (time % 3.0 < 0.54), np.where(time < 3.0, 30.0, 20.0), 0.0)
+    lagged = np.where((time >= 3.5) & (time < 3.6), 2.0 * np.sin(2.0 * np.pi * (time - 3.5) / 0.1), 0.0)
+    moved = simulate_model(DEMO, from_samples(time, pulses + lagged, 0.0 * time)).position
+    noise = NOISE * np.random.default_rng(2).standard_normal(time.size)
+    record = from_samples(time, pulses, moved + noise)
+    assert pushes(record, DEMO, NOISE, 0.0) == ()
+    elsewhere = from_samples(time, np.roll(pulses, 400), moved + noise)
+    apart = simulate_model(DEMO, from_samples(time, np.roll(pulses, 400) + lagged, 0.0 * time)).position + noise
+    assert len(pushes(replace(elsewhere, position=apart), DEMO, NOISE, 0.0)) == 1
+
+
 def test_a_push_to_and_fro_moves_the_cart_and_not_the_readings() -> None:
     """A knock and its rebound moved a cart by 7 mm; the "encoder slipped by -9.4e-05 m"."""
     for apart in (0.03, 0.05):
@@ -179,3 +194,11 @@ def test_a_push_under_a_force_that_changes_often_is_told(rate: float) -> None:
 def test_a_push_in_a_record_of_two_swings_is_told() -> None:
     record = bumped((1.1, 0.3)).window(0.95, 1.4)
     assert len(pushes(record, DEMO, NOISE, 0.0)) == 1
+
+
+def test_a_step_of_the_force_is_looked_for_as_many_samples_before_a_push_as_after() -> None:
+    time = 0.05 * np.arange(60)
+    stepped = from_samples(time, 5.0 * (time > 0.99), 0.0 * time)
+    first = int(np.argmax(stepped.force > 0.0))
+    near = [impulses._is_timing(stepped, Push(float(time[first + late]), 0.3), 1) for late in range(-5, 6)]
+    assert near == 2 * [False] + 7 * [True] + 2 * [False]
