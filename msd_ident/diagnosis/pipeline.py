@@ -15,7 +15,7 @@ from msd_ident.diagnosis.choice import Choice, chosen
 from msd_ident.diagnosis.result import Cause, Diagnosis
 from msd_ident.diagnosis.searching import Searched, Task, floor, result, search, silent
 from msd_ident.estimate import FitResult, see, see_reduction
-from msd_ident.estimate.levels import NEGLIGIBLE
+from msd_ident.estimate.levels import NEGLIGIBLE, TENTH
 from msd_ident.estimate.result import scale_known
 from msd_ident.estimate.summary import SCALE_SAID
 from msd_ident.features import extract
@@ -168,7 +168,8 @@ def _causes(ranking: Ranking, best: Hypothesis, result: FitResult) -> tuple[Caus
         parameters = {p.name: result.quantities[p.name] for p in by_name(name).parameters}
         tied = ties.tied(ranking, name)
         probability, either = ranking.of_cause(name), ranking.of_any((name, *tied))
-        found.append(Cause(name, probability, _finite(parameters), tied, either))
+        in_any_law = ranking.of_other_laws(name) > TENTH
+        found.append(Cause(name, probability, _finite(parameters), tied, either, in_any_law))
     without = {fitted.causes: fitted.chi for fitted in ranking.sets}
     return tuple(sorted(found, key=lambda cause: -without.get(best.causes - {cause.name}, math.inf)))
 

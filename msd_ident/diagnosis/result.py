@@ -36,6 +36,7 @@ class Cause:
         parameters: its own parameters in the extended model.
         tied_with: causes that the data does not distinguish from it.
         tied_probability: that it or one of ``tied_with`` acts; ``probability`` where nothing is tied.
+        in_any_law: whether another law of the same cause may well act in its place, which ``probability`` counts too.
     """
 
     name: str
@@ -43,6 +44,7 @@ class Cause:
     parameters: Mapping[str, Quantity]
     tied_with: tuple[str, ...]
     tied_probability: float
+    in_any_law: bool = False
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from rich.markup import escape
 
 from msd_ident.diagnosis.verdict import one_acts
+from msd_ident.model.effects import by_name
 from msd_ident.quantity import probability
 from msd_ident.report import calibration, numbers, words
 from msd_ident.report.tables import new_table, say
@@ -91,13 +92,22 @@ def models_table(diagnosis: Diagnosis) -> Table:
 
 
 def rivals_table(diagnosis: Diagnosis) -> Table | None:
-    """Other explanations that were fitted, and what they leave."""
+    """Other explanations that were fitted, and what they leave.
+
+    A star marks those that hold all named causes too, whose probability counts them.
+    """
     if not diagnosis.rivals or diagnosis.verdict == "adequate":
         return None
+    named, starred = {by_name(cause.name).cause() for cause in diagnosis.causes}, False
     table = new_table("Other explanations", "causes", "probability", "noise floors left")
     for rival in diagnosis.rivals:
-        left = numbers.number(rival.floors, 3)
-        table.add_row(" + ".join(rival.causes) or "none", probability(rival.probability), left)
+        counted = bool(named) and named <= {by_name(name).cause() for name in rival.causes}
+        starred |= counted
+        chance = f"{probability(rival.probability)}{' *' * counted}"
+        table.add_row(" + ".join(rival.causes) or "none", chance, numbers.number(rival.floors, 3))
+    if starred:
+        table.caption = "* with the named causes, in this or another law: their probability counts it"
+        table.caption_justify = "left"
     return table
 
 

@@ -188,6 +188,12 @@ class Ranking:
         """Probability of all sets with this very law of a cause."""
         return sum(p for p, one in zip(self.probability, self.sets, strict=True) if law in one.causes)
 
+    def of_other_laws(self, law: str) -> float:
+        """Probability of all sets that hold the cause of a law, and not this law of it."""
+        cause = by_name(law).cause()
+        pairs = zip(self.probability, self.sets, strict=True)
+        return sum(p for p, one in pairs if law not in one.causes and cause in kinds(one.causes))
+
     def stated(self, causes: Causes) -> float:
         """Probability of a set as it is stated: lowered as that of each of its causes is, so that all sets with a cause
         are together no likelier than the cause.

@@ -71,6 +71,8 @@ def test_the_rules_in_their_order(causes: tuple[Cause, ...], remainder: Remainde
         ("explained", [cause(0.98, (), "relaxing_spring")], left(0.4), ["The relaxing spring may also be a drive that "
           "gives way and lags (a motor's back-EMF behind its inductance, air in a cylinder): no record tells them "
           "apart."]),
+        ("explained", [replace(cause(0.96, (), "bouc_wen"), in_any_law=True)], left(0.4), ["The model lacks Bouc-Wen "
+          "(probability 96.0 %, in whatever law). With it,"]),
         ("unexplained", [], left(1.004), ["1.004 % of the motion is still unexplained, more than the tolerance of 1 %",
           "DEPENDS"]),
         ("explained", [cause(0.98)], left(0.996), ["0.996 % of the motion is still unexplained, less than the"]),

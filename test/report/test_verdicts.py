@@ -12,7 +12,7 @@ from reportrigs import diagnosed
 from rich.console import Console
 
 import msd_ident
-from msd_ident.diagnosis.result import Verdict
+from msd_ident.diagnosis.result import Rival, Verdict
 from msd_ident.live import cards
 from msd_ident.report import diagnosis, words
 from msd_ident.report.sections.parameters import diagnosis_columns, parameters
@@ -55,6 +55,21 @@ def test_where_laws_fit_alike_their_range_stands_in_the_place_of_one_interval() 
     section = parameters(found.records, columns, (), found.spread)
     assert [row[4] for row in section.context["rows"]][0] == "2.600 to 2.900"
     assert not parameters(found.records, columns, ()).context["ranges"]
+
+
+def test_a_star_marks_explanations_whose_probability_the_named_causes_count() -> None:
+    """ "constraint_stop > 99.9 %" stood above "buffered_stop 50.0 %"."""
+    (named,) = diagnosed().causes
+    stop = replace(named, name="constraint_stop")
+    rivals = [("buffered_stop",), ("cogging", "end_stop"), ("cogging",), ()]
+    found = replace(diagnosed(), causes=(stop,), rivals=tuple(Rival(causes, 0.2, 3.0) for causes in rivals))
+    console = Console(width=80, record=True, file=io.StringIO())
+    console.print(diagnosis.rivals_table(found))
+    text = console.export_text()
+    assert [line.count("20.0 % *") for line in text.splitlines() if "20.0 %" in line] == [1, 1, 0, 0]
+    assert "* with the named causes, in this or another law: their probability counts it" in " ".join(text.split())
+    alone = diagnosis.rivals_table(replace(found, rivals=found.rivals[2:]))
+    assert alone is not None and alone.caption is None
 
 
 def test_a_title_names_few_records_and_counts_many() -> None:

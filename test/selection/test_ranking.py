@@ -15,6 +15,7 @@ from msd_ident.model import Effect
 from msd_ident.model.effects.asymmetric_spring import AsymmetricSpring
 from msd_ident.model.effects.backlash import Backlash
 from msd_ident.model.effects.bilinear_spring import BilinearSpring
+from msd_ident.model.effects.bouc_wen import BoucWen
 from msd_ident.model.effects.cogging import Cogging
 from msd_ident.model.effects.cogging_harmonic import CoggingHarmonic
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
@@ -493,3 +494,19 @@ def test_limits_of_nine_to_one_that_add_up_are_no_certainty() -> None:
     parts = (0.22876222127045265, 0.7165084742834696, 0.05472930444607771)
     assert sum(part * CERTAIN for part in parts) > CERTAIN
     assert not certain(sum(part * CERTAIN for part in parts)) and certain(0.901)
+
+
+def test_the_probability_of_other_laws_counts_the_sets_that_hold_the_cause_without_this_law(
+    experiment: Experiment,
+) -> None:
+    """Hysteresis in two laws, one of them beside drag too."""
+    loop, smooth = Hysteresis(300.0, 1.0), BoucWen(300.0, 200.0, 100.0)
+    models = {"loop": BASE + loop, "smooth": BASE + smooth, "both": BASE + loop + QuadraticDrag(1.0), "base": BASE}
+    chis = (900.0, 845.0, 842.0, 84000.0)
+    pairs = zip(models.items(), chis, strict=True)
+    ranking = ranked({name: fitted(experiment, model, chi) for (name, model), chi in pairs})
+    share = {one.causes: p for one, p in zip(ranking.sets, ranking.probability, strict=True)}
+    of_loop = share[frozenset({"hysteresis"})] + share[frozenset({"hysteresis", "quadratic_drag"})]
+    assert ranking.of_other_laws("bouc_wen") == pytest.approx(of_loop) and of_loop > 0.9
+    assert ranking.of_other_laws("hysteresis") == pytest.approx(share[frozenset({"bouc_wen"})])
+    assert ranking.of_other_laws("quadratic_drag") == 0.0

@@ -46,7 +46,10 @@ class TimeOffset(Effect):
     def same_as(self, model: Model) -> str:
         """Whose delay it is, the stamps do not say."""
         del model
-        return "A delay of the force, of the encoder's stamps or between two clocks is one and the same time_offset."
+        return (
+            "A delay of the force, of the encoder's stamps or between two clocks is one and the same time_offset; a "
+            "filter of the readings or of the drive looks like one where it is faster than the motion."
+        )
 
     @classmethod
     def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:
