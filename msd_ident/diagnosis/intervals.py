@@ -179,8 +179,34 @@ def _unseen(
     entries = rubbing.problem.names
     natural = np.zeros(len(entries))
     for place in [entries.index(parameter.name) for parameter in by_name(COULOMB).parameters]:
-        natural[place] = 1.0 / rubbing.problem.scale[place] ** 2
+        most = min(float(rubbing.problem.scale[place]), _replacing(rubbing, place, plain.model.damping))
+        natural[place] = 1.0 / max(most, 1e-150) ** 2
     own = dict(zip(entries, _std(_of_laws(rubbing, scale.spread(rubbing.chi), natural)), strict=True))
     moved = [rubbing.model[name] - plain.model[name] for name in names]
     more = np.maximum([own[name] ** 2 for name in names] - known**2, 0.0)
     return np.asarray(np.sqrt(odds / (1.0 + odds) * (np.square(moved) + more)))
+
+
+def _replacing(rubbing: Hypothesis, place: int, damping: float) -> float:
+    """The friction [N] that takes as much of the motion as all damping does, by the information of a set with both.
+
+    There is no more of it: neither of the two is below 0. Over a few swings the data tells only their sum, and a
+    covariance alone lets one grow and the other fall far beyond that.
+
+    Args:
+        rubbing: the set.
+        place: of the friction in its vector.
+        damping: of the set without friction [N·s/m].
+    """
+    if "damping" not in rubbing.problem.names:
+        return math.inf
+    pair = [rubbing.problem.names.index("damping"), place]
+    others = [i for i in range(len(rubbing.problem.names)) if i not in pair]
+    whole = rubbing.information + rest_constraint.information(rubbing.problem, rubbing.point, rubbing.problem.balances)
+    beside = whole[np.ix_(others, others)]
+    told = (
+        whole[np.ix_(pair, pair)]
+        - whole[np.ix_(pair, others)] @ np.linalg.pinv(beside, rcond=1e-15) @ (whole[np.ix_(others, pair)])
+    )
+    lost = float(told[0, 1] / told[0, 0]) if told[0, 0] > 0.0 else 0.0  # damping for one newton of friction
+    return damping / lost if lost > 0.0 and damping > 0.0 else math.inf

@@ -15,6 +15,7 @@ from msd_ident.estimate import FitResult
 from msd_ident.estimate.least_squares import Solution
 from msd_ident.estimate.levels import SHAPES
 from msd_ident.estimate.summary import summarise_fit
+from msd_ident.model import Plant
 from msd_ident.model import simulate as model_motion
 from msd_ident.model.effects.buffered_stop import BufferedStop
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
@@ -159,3 +160,17 @@ def test_an_adequate_model_of_a_rig_that_rubs_a_little_states_no_damping_that_it
         quantity = found.extended.quantities[name]
         assert abs(quantity.value - rig[name]) < 3.0 * quantity.std, name
         assert quantity.std < 0.01 * rig[name], name
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_over_a_few_swings_unseen_friction_takes_no_more_than_all_damping(seed: int) -> None:
+    """Damping and friction tell only their sum, and neither is below 0: 0.035 ± 0.13 N·s/m was stated, and ± 0.80."""
+    time = 0.05 * np.arange(101)
+    force = np.zeros(1)
+    still = Record(time=time, position=0.0 * time, force_time=time[:1], force=force)
+    swing = model_motion(Plant(1.0, 0.0345, 27.53), still, 0.05).position
+    read = swing + np.random.default_rng(seed).normal(0.0, 3.7e-4, time.size)
+    found = pipeline.diagnose([replace(still, position=read)])
+    damping = found.base.quantities["damping"]
+    assert found.verdict == "adequate"
+    assert abs(damping.value - 0.0345) < 1.96 * damping.std < 2.2 * 0.0345
