@@ -63,7 +63,7 @@ class NoiseSpectrum:
     memory: float
     left: FloatArray
     freedom: FloatArray
-    misfit: float
+    misfit: float = 0.0
 
     @property
     def chi(self) -> float:
