@@ -1,4 +1,4 @@
-"""YAML that a person writes: a key that stands twice is refused, and numbers are those of YAML 1.2.
+"""YAML that a person writes: a key that stands twice is refused, and what YAML 1.1 and 1.2 read as different numbers.
 
 YAML 1.1 reads 1:30 as 90 (of base 60), 010 as 8 and 1_0 as 10, and 3e-2 as a text.
 """

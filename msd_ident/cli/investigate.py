@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json as text
+import shlex
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -12,6 +13,7 @@ import typer
 
 from msd_ident.cli import groups, options, results
 from msd_ident.errors import Interrupted, MsdError, UsageError
+from msd_ident.writing import write_text
 
 if TYPE_CHECKING:
     from msd_ident.design import Profile
@@ -95,10 +97,10 @@ def _keeping(loop: Loop, out: Path) -> Iterator[None]:
     """
     try:
         yield
-    except (MsdError, typer.Abort) as error:
-        _write_early(loop, out, str(error) or "interrupted")
+    except MsdError as error:
+        _write_early(loop, out, str(error))
         raise
-    except KeyboardInterrupt:
+    except (KeyboardInterrupt, typer.Abort):
         _write_early(loop, out, "interrupted")
         raise Interrupted(_kept(len(loop.steps), out)) from None
 
@@ -119,7 +121,7 @@ def _kept(done: int, out: Path) -> str:
     bags = [str(bag) for bag in sorted(out.glob("run_*"))]
     if not bags:
         return f"no experiment was finished, and {out} is empty"
-    return f"no experiment was diagnosed; the bags are kept: msd diagnose {' '.join(bags)}"
+    return f"no experiment was diagnosed; the bags are kept: msd diagnose {shlex.join(bags)}"
 
 
 @contextmanager
@@ -178,7 +180,7 @@ def _write(found: Investigation, out: Path) -> None:
     from msd_ident.report import investigation_page
 
     journal = results.jsonable(found.to_json_dict())
-    (out / "journal.json").write_text(text.dumps(journal, ensure_ascii=False, indent=1) + "\n", encoding="utf-8")
+    write_text(text.dumps(journal, ensure_ascii=False, indent=1) + "\n", out / "journal.json")
     investigation_page.save(found, out / "report.html")
 
 

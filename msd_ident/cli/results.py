@@ -171,7 +171,9 @@ def jsonable(value: Any) -> Any:
 
 def write(lines: Sequence[Mapping[str, Any]], output: Output) -> None:
     """One JSON object a line, to the file or to standard output, as ``output`` says."""
-    text = "".join(readable(json.dumps(jsonable(line), ensure_ascii=False, allow_nan=False)) + "\n" for line in lines)
+    # Escapes of a terminal that is not of Unicode are none of JSON.
+    plain = output.json == "-" and "utf" not in (sys.stdout.encoding or "utf-8").lower()
+    text = "".join(readable(json.dumps(jsonable(line), ensure_ascii=plain, allow_nan=False)) + "\n" for line in lines)
     if output.json == "-":
         lasting = _Lasting()
         lasting.write(text)

@@ -101,10 +101,14 @@ def moving_joints(bag: Bag) -> dict[Joint, bool]:
     found: dict[Joint, list[_Reading]] = {}
     for joint, reading in _readings(bag, None):
         found.setdefault(joint, []).append(reading)
+    moving = {joint: _moves([one.position for one in readings]) for joint, readings in found.items()}
+    lone = sum(moving.values()) == 1  # which of several a force moves, nothing says
     return {
         replace(
-            joint, has_effort=any(one.has_effort for one in readings), force=force_beside(bag.topics, joint.topic)
-        ): _moves([one.position for one in readings])
+            joint,
+            has_effort=any(one.has_effort for one in readings),
+            force=force_beside(bag.topics, joint.topic) if lone else "",
+        ): moving[joint]
         for joint, readings in found.items()
     }
 

@@ -183,7 +183,7 @@ def read_bag(path: str | os.PathLike[str], options: SourceOptions, on_progress: 
     (f_unit, f_factor), (x_unit, x_factor) = options.as_force, options.as_position
     position_unit = x_unit or bag.custom_data.get(POSITION_UNIT, "m")
     plain = "N" if force is not None else units.of_no_force(position_unit)
-    force_unit = f_unit or bag.custom_data.get(FORCE_UNIT, plain)
+    force_unit = f_unit or bag.custom_data.get(FORCE_UNIT) or plain
     f = f * f_factor
     notes += filter(None, [units.option_note(units.POSITION, options.position_unit, position.label)])
     if force is not None:

@@ -22,6 +22,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.special import digamma
 
 from msd_ident.data.record import FloatArray
 from msd_ident.estimate.levels import ALIKE, TENTH
@@ -201,10 +202,14 @@ def _shape(frequency: FloatArray, white: float, memory: float) -> FloatArray:
 
 
 def _misfit(bins: _Bins, size: FloatArray) -> float:
-    """Mean over the fastest band of r − 1 − log r, r being the power there over that of this noise (b,)."""
+    """Mean over the fastest band of r − 1 − log r, r being the power there over that of this noise (b,), beyond what
+    chance makes of it: log(f/2) − ψ(f/2) in a bin of f degrees of freedom.
+    """
     inside = bins.fast > 0.0
-    ratio = np.maximum(bins.power[inside] / (bins.freedom[inside] * size[inside]), 1e-12)
-    return float(np.average(ratio - 1.0 - np.log(ratio), weights=bins.freedom[inside]))
+    freedom = bins.freedom[inside]
+    ratio = np.maximum(bins.power[inside] / (freedom * size[inside]), 1e-12)
+    chance = np.log(0.5 * freedom) - digamma(0.5 * freedom)
+    return float(np.average(ratio - 1.0 - np.log(ratio) - chance, weights=freedom))
 
 
 def _levels(bins: _Bins, shapes: FloatArray) -> FloatArray:

@@ -157,7 +157,7 @@ def _simpler(ahead: Ranking) -> list[Hypothesis]:
 
 
 def _coarser(thin: Experiment, friction: Hypothesis, left: float) -> tuple[Experiment, Callable[[Hypothesis], bool]]:
-    """Longer steps, far from the noise; and where it spares most of them the mean force between samples, or a line.
+    """Longer steps, far from the noise; and where it spares half of all forces the mean between samples, or a line.
 
     Args:
         thin: thinned samples.
@@ -167,12 +167,18 @@ def _coarser(thin: Experiment, friction: Hypothesis, left: float) -> tuple[Exper
     Returns:
         The experiment to search on, and whether a set fitted there leaves so little that their error hides the rest.
     """
-    spares = sum(one.samples for one in thin.records) < MOST_OF * sum(one.force.size for one in thin.records)
-    fewer = (thin.with_mean_force(), thin.with_force_lines()) if spares else ()
-    for coarse in (one.loose() for one in (*fewer, thin)):
-        if left > FAR and _change(thin, coarse, friction) < TENTH**2 * left * thin.evidence:
+    if left <= FAR:
+        return thin, lambda fitted: False
+    for fewer in (thin.with_mean_force(), thin.with_force_lines(), thin):
+        coarse = fewer.loose()
+        spares = fewer is thin or _forces(fewer) < MOST_OF * _forces(thin)
+        if spares and _change(thin, coarse, friction) < TENTH**2 * left * thin.evidence:
             return coarse, partial(_is_blurred, thin, coarse)
     return thin, lambda fitted: False
+
+
+def _forces(experiment: Experiment) -> int:
+    return sum(record.force.size for record in experiment.records)
 
 
 def _is_blurred(thin: Experiment, coarse: Experiment, fitted: Hypothesis) -> bool:

@@ -38,6 +38,7 @@ _FREQUENCIES = tuned(
 _RATIOS = tuned(
     (0.03, 0.15), unit="1", why="damping ratios of a second mass that are tried at each frequency", chosen="by hand"
 )
+_NYQUIST = fixed(0.9 * math.pi, "mathematics", "rad a sample period: beyond pi no motion is sampled")
 _DAMPED = fixed((1e-3, 1.0), "mathematics", "damping ratios of a mass that swings by itself")
 _FASTEST = fixed(
     0.5, "mathematics", "rad a sample period: up to it the trapezoidal rule shifts a frequency by 2 % or less"
@@ -68,6 +69,9 @@ def second_masses(plant: Model, record: Record, residual: FloatArray, fixed: Col
     """
     missing = _Missing.of(plant, record, residual, [name not in fixed for name in ("mass", "damping", "stiffness")])
     frequencies = _frequencies(plant, record, missing.period, THOROUGH)
+    frequencies = frequencies[frequencies < _NYQUIST / missing.period]
+    if not frequencies.size:
+        return []
     gain = np.array([[missing.gain(frequency, ratio) for ratio in _RATIOS] for frequency in frequencies.tolist()])
     widest = (float(frequencies[0]), max(_FASTEST / missing.period, float(frequencies[-1])))
     found = []
@@ -122,8 +126,8 @@ class _Missing:
         """Sum of squares that such a mass takes away; 0 where it would be less than nothing."""
         hung = self.hung(frequency, ratio)
         hung -= self.frame @ (self.frame.T @ hung)
-        along = float(hung @ self.beyond)
-        return along**2 / max(float(hung @ hung), 1e-300) if along > 0.0 else 0.0
+        along, size = float(hung @ self.beyond), float(hung @ hung)
+        return along**2 / max(size, 1e-300) if along > 0.0 and math.isfinite(size) else 0.0
 
     def sharpest(self, frequency: float, ratio: float, widest: tuple[float, float]) -> tuple[float, float]:
         """Frequency [rad/s] and damping ratio at the top of the peak of ``gain`` beside these.

@@ -86,23 +86,29 @@ def check_given(node: Node, arguments: Sequence[str]) -> None:
     Raises:
         RigError: such a number.
     """
-    numbers = dict(_numbers())
-    given = dict(
-        text.split(":=", 1) for flag, text in pairwise(arguments) if flag in ("-p", "--param") and ":=" in text
-    )
+    files = [i for i, flag in enumerate(arguments) if flag == "--params-file"]
+    if not files:
+        return
+    units = {**{name: "" for name in _WHOLE}, **{name: f" [{one.unit}]" for name, one in _numbers()}}
+    after = arguments[files[-1] :]  # a file that comes later wins
+    given = dict(text.split(":=", 1) for flag, text in pairwise(after) if flag in ("-p", "--param") and ":=" in text)
     for name, text in given.items():
-        if name not in numbers:
+        if name not in units:
             continue
         kept = node.get_parameter(name).value
-        try:
-            taken = float(text) == kept
-        except ValueError:
-            taken = text == str(kept)
-        if not taken:
+        if _number(text) != kept and text != str(kept):
             raise RigError(
                 f"{name} is {text} on the command line, and stays {kept} of the parameter file, where it has another "
-                f"type; expected a number [{numbers[name].unit}] written as there: change the file or the option"
+                f"type; expected a number{units[name]} written as there: change the file or the option"
             )
+
+
+def _number(text: str) -> float | None:
+    """The number that ROS reads from a text; None where it is none."""
+    try:
+        return float(int(text, 0) if text[:2].lower() == "0x" else float(text))
+    except ValueError:
+        return None
 
 
 def _descriptor(name: str, meaning: str) -> ParameterDescriptor:

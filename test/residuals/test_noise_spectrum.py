@@ -101,6 +101,16 @@ def test_a_motion_that_rings_is_not_called_noise(hertz: float) -> None:
     assert only_noise([residual], [containing(residual)]) is None
 
 
+@pytest.mark.parametrize(("records", "samples"), [(6, 100), (20, 60)])
+def test_white_noise_of_many_short_records_is_noise(records: int, samples: int) -> None:
+    """In bins of few samples chance alone makes power that differs from its mean."""
+    told = 0
+    for seed in range(20):
+        parts = [3.0 * noise(0.0, 100 * seed + r, samples) for r in range(records)]
+        told += only_noise(parts, [containing(one) for one in parts]) is not None
+    assert told == 20
+
+
 def test_records_of_one_sensor_share_their_noise() -> None:
     together = found_in(noise(8.0, 1), noise(8.0, 2), noise(8.0, 3, 3000))
     assert together.memory == pytest.approx(8.0, rel=0.35)

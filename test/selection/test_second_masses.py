@@ -43,6 +43,16 @@ def test_a_faint_swing_of_many_turns_is_known_to_a_part_of_a_turn() -> None:
     assert math.sqrt(start.hung[1] / start.hung[0]) == pytest.approx(math.sqrt(6.0 / 0.004), rel=0.005)
 
 
+@pytest.mark.parametrize("swings", [0.4, 0.7, 1.3])
+def test_a_plant_that_is_faster_than_the_samples_has_no_wild_start(swings: float) -> None:
+    """Beyond half the sampling rate the rule that bends a frequency makes a filter that blows up."""
+    time, rate = 0.05 * np.arange(20_000), swings * 2.0 * math.pi / 0.05
+    still = from_samples(time, 0.0 * time, 0.0 * time)
+    read = np.sin(rate * time) + np.random.default_rng(1).normal(0.0, 0.1, time.size)
+    found = second_masses(Plant(1.0, 1.0, rate**2), replace(still, position=read), read, ())
+    assert all(math.isfinite(value) for one in found for value in (*one.plant, *one.hung))
+
+
 @pytest.mark.parametrize(("stiffness", "period"), [(200.0, 2.0 * math.pi / math.sqrt(600.0)), (0.0, math.inf)])
 def test_a_second_mass_swings_against_the_first(stiffness: float, period: float) -> None:
     plant = Model(1.0, 2.0, 100.0)
