@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 import shlex
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
@@ -102,12 +103,12 @@ def moving_joints(bag: Bag) -> dict[Joint, bool]:
     for joint, reading in _readings(bag, None):
         found.setdefault(joint, []).append(reading)
     moving = {joint: _moves([one.position for one in readings]) for joint, readings in found.items()}
-    lone = sum(moving.values()) == 1  # which of several a force moves, nothing says
+    many = Counter(joint.topic for joint in moving if moving[joint])  # which of several a force moves, nothing says
     return {
         replace(
             joint,
             has_effort=any(one.has_effort for one in readings),
-            force=force_beside(bag.topics, joint.topic) if lone else "",
+            force=force_beside(bag.topics, joint.topic) if many[joint.topic] <= 1 else "",
         ): moving[joint]
         for joint, readings in found.items()
     }
