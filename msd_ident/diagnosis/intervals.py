@@ -200,13 +200,7 @@ def _replacing(rubbing: Hypothesis, place: int, damping: float) -> float:
     """
     if "damping" not in rubbing.problem.names:
         return math.inf
-    pair = [rubbing.problem.names.index("damping"), place]
-    others = [i for i in range(len(rubbing.problem.names)) if i not in pair]
-    whole = rubbing.information + rest_constraint.information(rubbing.problem, rubbing.point, rubbing.problem.balances)
-    beside = whole[np.ix_(others, others)]
-    told = (
-        whole[np.ix_(pair, pair)]
-        - whole[np.ix_(pair, others)] @ np.linalg.pinv(beside, rcond=1e-15) @ (whole[np.ix_(others, pair)])
-    )
-    lost = float(told[0, 1] / told[0, 0]) if told[0, 0] > 0.0 else 0.0  # damping for one newton of friction
+    known, damper = _of_laws(rubbing, 1.0), rubbing.problem.names.index("damping")
+    spread = float(known[place, place])
+    lost = -float(known[damper, place]) / spread if spread > 0.0 else 0.0  # damping for one newton of friction
     return damping / lost if lost > 0.0 and damping > 0.0 else math.inf
