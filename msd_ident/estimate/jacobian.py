@@ -6,11 +6,14 @@ the simulations.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import numpy.typing as npt
 
 from msd_ident.compiled import Library
 from msd_ident.data.record import FloatArray
+from msd_ident.estimate.levels import RELATIVE_STEP
 from msd_ident.tuning import fixed
 
 LIBRARY = Library(__name__, f"{__name__}_loops")
@@ -19,6 +22,13 @@ _broyden_update = LIBRARY.function("broyden_update", "f8[:]", "f8[:]", _LINEAR, 
 _with_rows = LIBRARY.function("with_rows", _LINEAR, "i8[:]", "f8[:,:]", _LINEAR)
 
 _FELT = fixed(1024.0, "accuracy", "least finite-difference step, in units in the last place of what it moves")
+
+
+def relative_step(slack: float) -> float:
+    """Effect of a finite-difference step, as a part of the motion: above the errors that simulations with this slack
+    may have.
+    """
+    return RELATIVE_STEP * math.sqrt(slack)
 
 
 def safe_steps(point: FloatArray, steps: FloatArray, upper: FloatArray) -> FloatArray:

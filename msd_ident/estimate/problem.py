@@ -6,7 +6,6 @@ record, its own initial position, initial velocity and zero where these are free
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -19,7 +18,8 @@ from msd_ident.data import quality
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.data.resampling import thinned
 from msd_ident.estimate.effort import A_SWING, FEWEST_READINGS, LONG_RECORD
-from msd_ident.estimate.levels import NATURAL_RANGE, RELATIVE_STEP
+from msd_ident.estimate.jacobian import relative_step
+from msd_ident.estimate.levels import NATURAL_RANGE
 from msd_ident.estimate.parameter_units import Magnitudes
 from msd_ident.model import Model, Parameter, Simulator
 from msd_ident.model.base_model import OFFSET_FORCE
@@ -245,8 +245,7 @@ class Problem:
             record.window(record.time[0], record.time[min(max(int(share * record.samples), 40), record.samples) - 1])
             for record in self.records
         )
-        simulators = tuple(Simulator(self.model, record) for record in records)
-        return replace(self, records=records, simulators=simulators)
+        return self.on(records, self.simulators[0].slack)
 
     def thinned(self, enough: int) -> Problem:
         """The same problem on every n-th sample; the problem itself where thinning would lose too much.
@@ -259,32 +258,29 @@ class Problem:
                 samples and about ``A_SWING`` samples in each swing.
         """
         every = sum(record.samples for record in self.records) // enough
-        records = tuple(thinned(record, min(every, self._spare(record)), FEWEST_READINGS) for record in self.records)
+        turn = 2.0 * np.pi * self.typical.time
+        spare = [min(every, int(turn / (A_SWING * record.period))) for record in self.records]
+        records = tuple(thinned(*pair, FEWEST_READINGS) for pair in zip(self.records, spare, strict=True))
         if all(few is record for few, record in zip(records, self.records, strict=True)):
             return self
-        simulators = tuple(Simulator(self.model, record) for record in records)
+        return self.on(records, self.simulators[0].slack)
+
+    def on(self, records: tuple[Record, ...], slack: float) -> Problem:
+        """The same problem on these records, whose simulations have this slack (``Simulator``)."""
+        simulators = tuple(Simulator(self.model, record, slack) for record in records)
         return replace(self, records=records, simulators=simulators)
-
-    def _spare(self, record: Record) -> int:
-        """Samples of a record of which a thinned one keeps one."""
-        return int(2.0 * np.pi * self.typical.time / (A_SWING * record.period))
-
-    @property
-    def _step(self) -> float:
-        """Effect of a finite-difference step, as a part of the motion: above the errors that simulations may have."""
-        return RELATIVE_STEP * math.sqrt(self.simulators[0].slack)
 
     def first_steps(self) -> FloatArray:
         """Finite-difference steps (p,) before anything is known about the Jacobian: far within the bounds."""
         room = self.upper - self.lower
-        return self._step * np.where(room > 0.0, np.minimum(self.scale, room), self.scale)
+        return relative_step(self.simulators[0].slack) * np.where(room > 0.0, np.minimum(self.scale, room), self.scale)
 
     def steps(self, matrix: FloatArray) -> FloatArray:
-        """Steps that move the positions by ``_step`` of the motion, from the last Gauss–Newton matrix."""
+        """Steps that move the positions by ``relative_step`` of the motion, from the last Gauss–Newton matrix."""
         samples = sum(record.samples for record in self.records)
         effect = np.sqrt(np.maximum(matrix.diagonal(), 1e-300) / samples)
         first = self.first_steps()
-        steps = self._step * self.typical.length / effect
+        steps = relative_step(self.simulators[0].slack) * self.typical.length / effect
         return np.asarray(np.minimum(np.maximum(steps, first / NATURAL_RANGE), NATURAL_RANGE * first))
 
     def imbalance(self, vector: FloatArray, balance: RestConstraint) -> tuple[float, FloatArray]:

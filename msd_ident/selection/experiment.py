@@ -17,7 +17,7 @@ from msd_ident.estimate.formulation import formulate
 from msd_ident.estimate.parameter_units import Magnitudes, magnitudes
 from msd_ident.estimate.posing import build
 from msd_ident.estimate.problem import Initial, Nuisance, Problem
-from msd_ident.model import Model, Simulator
+from msd_ident.model import Model
 from msd_ident.model.declarations import RecordScales
 from msd_ident.model.effects import LIBRARY, by_name
 from msd_ident.residuals.noise_model import NOISE_ERROR, Readings
@@ -182,8 +182,7 @@ class Experiment:
         """
         fixed = self.fixed | held | switched_off(model)
         problem = build(model, self.records, fixed, self.nuisances(model), self.typical)
-        if self.slack > 1.0:
-            problem = replace(problem, simulators=tuple(Simulator(model, one, self.slack) for one in self.records))
+        problem = problem.on(self.records, self.slack) if self.slack > 1.0 else problem
         own = resolution.of_laws(map(type, model.effects), self.scales)
         return resolution.within(problem, self._ranges | own)
 

@@ -133,3 +133,11 @@ def test_the_balance_at_rest_and_its_slope() -> None:
         step[entry] = 1e-6 * problem.scale[entry]
         ahead, behind = (problem.imbalance(point + sign * step, balance)[0] for sign in (1.0, -1.0))
         assert slope[entry] == pytest.approx((ahead - behind) / (2.0 * step[entry]), rel=1e-5, abs=1e-12)
+
+
+def test_parts_of_a_loose_problem_are_as_loose_and_its_steps_are_above_its_errors() -> None:
+    exact = build(Plant(1.0, 2.0, 40.0), (drawn_force(8000, 1000.0),), frozenset(), ())
+    loose = exact.on(exact.records, 100.0)
+    for one in (loose, loose.shortened(0.5), loose.thinned(1000)):
+        assert [simulator.slack for simulator in one.simulators] == [100.0]
+    np.testing.assert_allclose(loose.first_steps(), 10.0 * exact.first_steps())
