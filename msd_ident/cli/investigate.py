@@ -13,6 +13,7 @@ import typer
 
 from msd_ident.cli import groups, options, results
 from msd_ident.errors import Interrupted, MsdError, UsageError
+from msd_ident.quantity import counted
 from msd_ident.writing import write_text
 
 if TYPE_CHECKING:
@@ -116,8 +117,7 @@ def _write_early(loop: Loop, out: Path, why: str) -> None:
 def _kept(done: int, out: Path) -> str:
     """What an interrupted investigation leaves."""
     if done:
-        count = "1 experiment" if done == 1 else f"{done} experiments"
-        return f"{count} in the journal: {out / 'journal.json'}, report: {out / 'report.html'}"
+        return f"{counted(done, 'experiment')} in the journal: {out / 'journal.json'}, report: {out / 'report.html'}"
     bags = [str(bag) for bag in sorted(out.glob("run_*"))]
     if not bags:
         return f"no experiment was finished, and {out} is empty"

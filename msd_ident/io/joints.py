@@ -34,7 +34,7 @@ class Joint:
         name: of the joint.
         has_effort: whether its messages carry an effort.
         place: in its messages, where another joint has the same name; its name here then ends with it.
-        force: topic of the force that belongs to it, where there is one beside the joint's own effort.
+        force: topic of a force in the namespace of its topic, where no other joint of that topic moves; empty without.
     """
 
     topic: str
