@@ -71,3 +71,27 @@ def turned(
     time = np.arange(count) / RATE
     readings = angles + hangs + np.random.default_rng(0).normal(0.0, 1e-3, count)
     return Record(time, readings, time, torques, force_unit="N·m", position_unit="rad")
+
+
+def dropped(seconds: float, plant: tuple[float, float, float], friction: float, angle: float, held: float) -> Record:
+    """A record of q'' + b q' + G sin q = -Fc sign(q') for 1 kg·m², held at an angle and then let go.
+
+    Args:
+        seconds: length of the record, of 200 samples a second.
+        plant: b [N·m·s/rad] and G [N·m] for an inertia of 1 kg·m², and the noise of the readings [rad].
+        friction: Fc [N·m].
+        angle: where it is held [rad].
+        held: how long [s].
+    """
+    damping, moment, noise = plant
+    count, step = round(200.0 * seconds), 1.0 / (200.0 * STEPS)
+    angles, speed = np.empty(count), 0.0
+    for i in range(count):
+        angles[i] = angle
+        for _ in range(STEPS if i >= 200.0 * held else 0):
+            speed -= step * (moment * math.sin(angle) + damping * speed)
+            speed = math.copysign(max(abs(speed) - step * friction, 0.0), speed)
+            angle += step * speed
+    time = np.arange(count) / 200.0
+    readings = angles + np.random.default_rng(0).normal(0.0, noise, count)
+    return Record(time, readings, time[:1], np.zeros(1), force_unit="N·m", position_unit="rad")

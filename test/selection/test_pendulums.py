@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import pytest
-from pendulums import led, pumped, turned
+from pendulums import dropped, led, pumped, turned
 from setrigs import stood
 
 from msd_ident.data.record import Record
@@ -16,6 +16,7 @@ from msd_ident.estimate.formulation import formulate, regressed
 from msd_ident.estimate.problem import Initial, Nuisance
 from msd_ident.model import Plant
 from msd_ident.model.effects.cogging import Cogging
+from msd_ident.model.effects.cubic_spring import CubicSpring
 from msd_ident.model.effects.gravity import Gravity
 from msd_ident.quantity import Z95, Quantity
 from msd_ident.residuals import noise_model
@@ -170,3 +171,23 @@ def test_a_state_counted_from_a_zero_is_the_same_state_where_there_is_none() -> 
     values = dict(zip(problem.model.names, problem.model.values.tolist(), strict=True))
     (start,) = problem.initials(problem.vector(values, [Initial(-0.2, 1.0, 0.9)]))
     assert start.position == pytest.approx(0.7) and start.zero == 0.0
+
+
+@pytest.mark.usefixtures("without_copies")
+def test_gravity_is_found_behind_a_spring_that_softens(asking_about: Callable[..., None]) -> None:
+    """Beside dry friction gravity's own start ended with twice the friction; a power spring had no rival: 0.95."""
+    asking_about("gravity", "cubic_spring", "power_spring", "coulomb_friction")
+    found = pipeline.diagnose([dropped(20.0, (0.2, 30.0, 0.003), 0.3, 1.48, 1.5)])
+    assert {cause.name: cause.probability > 0.9 for cause in found.causes} == {
+        "gravity": True, "coulomb_friction": True,
+    }  # fmt: skip
+    assert found.extended.model["gravity_moment"] == pytest.approx(30.0, rel=0.005)
+
+
+@pytest.mark.parametrize(("cubic", "there"), [(-2.0, True), (2.0, False)])
+def test_a_spring_that_softens_is_begun_again_as_gravity(cubic: float, there: bool) -> None:
+    plant = Plant(1.0, 0.2, 27.0)
+    readings = noise_model.prepare((dropped(4.0, (0.2, 30.0, 0.003), 0.3, 1.0, 0.0),))
+    data = Experiment(readings, plant, frozenset({"mass"}))
+    found = {causes: model for causes, model, _ in reduced(stood(data, plant + CubicSpring(cubic)), data.library)}
+    assert (found.get(frozenset({"gravity"})) == Plant(1.0, 0.2, 0.0) + Gravity(27.0)) is there

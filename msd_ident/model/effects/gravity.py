@@ -33,6 +33,12 @@ def _ripple(effect: Effect) -> Harmonic | None:
     return effect.harmonic if effect.harmonic is not None and effect.harmonic.over == PLACE else None
 
 
+def _softens(effect: Effect) -> bool:
+    """Whether an effect is a spring that softens alike both ways."""
+    strength = float(getattr(effect, effect.neutral[0][0]))
+    return effect.mirror and effect.is_spring() and strength < 0.0 and -1 in effect.ring_down.get(SOFTENS, ())
+
+
 @dataclass(frozen=True)
 class Gravity(Effect):
     """G·sin(x): a pendulum, an arm that a joint lifts. x counts from where it hangs."""
@@ -61,8 +67,13 @@ class Gravity(Effect):
 
     @classmethod
     def in_place_of(cls, other: Effect, model: Model) -> Model | None:
-        """A ripple whose pitch is nearer to one turn than to a half or to two: on a joint this is gravity."""
+        """A ripple whose pitch is nearer to one turn than to a half or to two: on a joint this is gravity. So is a
+        spring that softens alike both ways, as k·x - k·x³/6 begins k·sin(x).
+        """
         term = _ripple(other)
+        if _softens(other) and model.stiffness > 0.0:
+            others = tuple(effect for effect in model.effects if effect is not other)
+            return replace(model, stiffness=0.0, effects=(*others, cls(model.stiffness)))
         if term is None or not 0.5 < math.log2(getattr(other, term.scanned) / math.pi) < 1.5:
             return None
         others = tuple(effect for effect in model.effects if effect.name not in (other.name, cls.name))
