@@ -188,7 +188,8 @@ class FittedSets:
             if leads.causes & set(HOLDING_COULOMB):
                 resolved = [starts for starts in far if rubs_and_is_linear(starts[0].fitted.causes)]
             group = near
-        begun = self._each(lambda starts: begin(self.experiment, starts, reach), promising(group, self.scale()), share)
+        chosen = promising(group, self.scale(), self.sets.values())
+        begun = self._each(lambda starts: begin(self.experiment, starts, reach), chosen, share)
         begun.sort(key=lambda tries: tries[0].chi)
         # The best goes first, alone: what counts as hopeless must not depend on which thread is faster.
         for tries in (begun[:1], begun[1:]):

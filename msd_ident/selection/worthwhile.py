@@ -9,10 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 
+from msd_ident.estimate.levels import MOST_OF
 from msd_ident.selection.evidence import NoiseScale, log_prior, occam
 from msd_ident.selection.hypothesis import COULOMB, Causes, Hypothesis
 from msd_ident.selection.hypothesis_fit import StartingPoint
-from msd_ident.selection.ranking import LEADERS
+from msd_ident.selection.ranking import LEADERS, NEAR
 from msd_ident.tuning import tuned
 
 _BEGUN = tuned(
@@ -41,21 +42,30 @@ def within_reach(
     return [causes for causes in new if not any(one > causes and len(one) == len(causes) + 1 for one in far)]
 
 
-def promising(group: list[list[StartingPoint]], scale: NoiseScale) -> list[list[StartingPoint]]:
+def promising(
+    group: list[list[StartingPoint]], scale: NoiseScale, fitted: Collection[Hypothesis]
+) -> list[list[StartingPoint]]:
     """The sets of a round whose starts promise to leave least, and those that promise most evidence.
 
-    A flexible law leaves less than a plain one that is likelier. Sets of one cause, alone or beside Coulomb
-    friction, are all promising: larger ones are made of them.
+    A flexible law leaves less than a plain one that is likelier. A set that promises to leave more than twice what the
+    best one leaves, and too little evidence to count, is left out: far from the noise, half of all simulations were of
+    such sets, and of 917 on eleven measured rigs 4 ended below 1.5 times the best one, one of them below it. Sets of
+    one cause, alone or beside Coulomb friction, are all promising: larger ones are made of them.
 
     Args:
         group: the starts of each set.
         scale: in which evidence is stated.
+        fitted: all fitted sets.
     """
     if any(_basic(starts[0].fitted.causes) for starts in group):
         return group
-    least = sorted(group, key=lambda starts: min(min(start.promise, start.least) for start in starts))[:_BEGUN]
-    likely = sorted(group, key=lambda starts: -max(_promised_evidence(start, scale) for start in starts))[:LEADERS]
-    return least + [starts for starts in likely if all(starts is not one for one in least)]
+    most = min(one.chi for one in fitted) / MOST_OF
+    least = max(_evidence(one, one.chi, scale) for one in fitted) - NEAR
+    left = [(min(min(start.promise, start.least) for start in starts), starts) for starts in group]
+    likely = [(max(_evidence(start.fitted, start.promise, scale) for start in starts), starts) for starts in group]
+    first = [starts for chi, starts in sorted(left, key=lambda pair: pair[0])[:_BEGUN] if chi < most]
+    then = [starts for nats, starts in sorted(likely, key=lambda pair: -pair[0])[:LEADERS] if nats > least]
+    return first + [starts for starts in then if all(starts is not one for one in first)]
 
 
 def _basic(causes: Causes) -> bool:
@@ -63,7 +73,6 @@ def _basic(causes: Causes) -> bool:
     return len(causes - {COULOMB}) <= 1
 
 
-def _promised_evidence(start: StartingPoint, scale: NoiseScale) -> float:
-    """Log evidence [nats] that a start would have with the chi² that its first step promises."""
-    cost = occam(start.fitted, scale.spread(start.promise))
-    return scale.log_likelihood(start.promise) - cost + log_prior(start.fitted.causes)
+def _evidence(fitted: Hypothesis, chi: float, scale: NoiseScale) -> float:
+    """Log evidence [nats] that a set would have with a chi², all octaves alike."""
+    return scale.log_likelihood(chi) - occam(fitted, scale.spread(chi)) + log_prior(fitted.causes)

@@ -16,7 +16,8 @@ from msd_ident.selection.worthwhile import _BEGUN, promising
 DATA = steps()
 LAWS = ("quadratic_drag", "cubic_spring", "actuator_lag", "sensor_drift", "end_stop", "stiffness_drift", "second_mode")
 PAIRS = list(combinations(LAWS, 2))
-SCALE = scale_from([fitted(DATA, BASE, 1e6)], DATA.readings)
+KNOWN = [fitted(DATA, BASE, 1e6)]
+SCALE = scale_from(KNOWN, DATA.readings)
 
 
 def starts(names: tuple[str, ...], *promises: tuple[float, float]) -> list[StartingPoint]:
@@ -30,24 +31,33 @@ def starts(names: tuple[str, ...], *promises: tuple[float, float]) -> list[Start
 def test_only_the_sets_that_promise_to_leave_least_are_begun() -> None:
     group = [starts(pair, (1e3 * 1.5**i, math.inf)) for i, pair in enumerate(PAIRS)]
     assert len(group) > _BEGUN
-    kept = promising(group[::-1], SCALE)
+    kept = promising(group[::-1], SCALE, KNOWN)
     assert [one[0].promise for one in kept[:_BEGUN]] == [1e3 * 1.5**i for i in range(_BEGUN)]
     assert len(kept) < len(group)
     group[-1] = starts(PAIRS[-1], (9e8, math.inf), (9e8, 10.0))
-    assert promising(group, SCALE)[0] is group[-1], "one of its starts goes far along a weak direction"
+    assert promising(group, SCALE, KNOWN)[0] is group[-1], "one of its starts goes far along a weak direction"
 
 
 def test_a_plain_law_that_promises_more_evidence_is_begun_though_flexible_ones_leave_less() -> None:
     likely = ("quadratic_drag", "cubic_spring")
     group = [starts(names, (1e4 + i, math.inf)) for i, names in enumerate(combinations(LAWS, 3))][: 2 * _BEGUN]
     plain = starts(likely, (1.2e4, math.inf))
-    assert any(one is plain for one in promising([*group, plain], SCALE))
+    assert any(one is plain for one in promising([*group, plain], SCALE, KNOWN))
     hopeless = starts(likely, (1e9, math.inf))
-    assert all(one is not hopeless for one in promising([*group, hopeless], SCALE))
+    assert all(one is not hopeless for one in promising([*group, hopeless], SCALE, KNOWN))
 
 
 def test_all_single_causes_are_begun_alone_and_beside_coulomb_friction() -> None:
     """Larger sets are made of them, however little one explains."""
     for beside in ((), ("coulomb_friction",)):
         group = [starts((name, *beside), (1e3, math.inf)) for name in LAWS] * 3
-        assert len(group) > _BEGUN and promising(group, SCALE) is group
+        assert len(group) > _BEGUN and promising(group, SCALE, KNOWN) is group
+
+
+def test_a_set_that_promises_more_than_the_best_one_leaves_is_not_begun() -> None:
+    """Neither as one of few, nor as the likeliest of a round."""
+    near, far = starts(PAIRS[0], (1.9e6, math.inf)), starts(PAIRS[1], (1e9, math.inf))
+    assert promising([near, far], SCALE, KNOWN) == [near]
+    assert promising([far], SCALE, KNOWN) == []
+    ahead = [*KNOWN, fitted(DATA, BASE, 1e3)]
+    assert promising([near, far], scale_from(ahead, DATA.readings), ahead) == []
