@@ -266,6 +266,17 @@ def test_a_clipped_encoder_is_told() -> None:
     assert f"stops dead at {highest:.4g} m, the end of its range" in finding.sentence
 
 
+@pytest.mark.parametrize(("then", "codes"), [(0.0, []), (6.0, ["clipped_position"])])
+def test_a_motor_that_is_switched_off_hits_no_stop(then: float, codes: list[str]) -> None:
+    """Behind a gear it stands within a sample, at the farthest place that it came to: a stop was told."""
+    time = np.arange(0.0, 12.0, 0.01)
+    drive = np.where(time < 2.0, 0.0, np.where(time < 8.0, 6.0, then))
+    driven = np.clip(time - 2.0, 0.0, 6.0)
+    turned = 0.0005 * np.round((8.0 * driven + 0.05 * np.sin(9.0 * driven)) / 0.0005)
+    motor = Record(time, turned, time, drive, force_unit="V", position_unit="rad")
+    assert [one.code for one in check(motor) if "position" in one.code] == codes
+
+
 def test_a_stop_that_gives_way_a_little_is_the_end_of_the_range() -> None:
     """A cart rests on a soft stop, deeper at first: the encoder is not stuck in the middle of a motion."""
     record = experiment()

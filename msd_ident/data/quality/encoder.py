@@ -7,12 +7,16 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from msd_ident.data.motion import Motion
+from msd_ident.data.motion import Motion, Standstill
 from msd_ident.data.quality.finding import Finding, warning
 from msd_ident.data.record import Record
 
 #: Fewest samples an oscillation that is not a warning.
 _FEW_SAMPLES = 12
+#: Readings before a standstill at which the force is looked at: those that show that the cart came at speed.
+_AROUND = 3
+#: Part of the force below which it went away.
+_GONE = 0.5
 #: Part of the range of positions within which a standstill is at its end.
 _NEAR_END = 0.01
 
@@ -24,9 +28,10 @@ def frozen_encoder(record: Record, motion: Motion) -> Iterator[Finding]:
         return
     low, high = float(np.min(record.position)), float(np.max(record.position))
     near = _NEAR_END * (high - low)  # a stop gives way by a little
-    ends = [still.value - low <= near or high - still.value <= near for still in motion.standstills]
-    clipped = [still for still, end in zip(motion.standstills, ends, strict=True) if end]
-    stuck = [still for still, end in zip(motion.standstills, ends, strict=True) if not end and still.size >= 8]
+    stills = [still for still in motion.standstills if not _let_go(record, still)]
+    ends = [still.value - low <= near or high - still.value <= near for still in stills]
+    clipped = [still for still, end in zip(stills, ends, strict=True) if end]
+    stuck = [still for still, end in zip(stills, ends, strict=True) if not end and still.size >= 8]
     if clipped:
         longest = max(clipped, key=lambda still: still.size)
         times = "once" if len(clipped) == 1 else f"{len(clipped)} times"
@@ -44,6 +49,14 @@ def frozen_encoder(record: Record, motion: Motion) -> Iterator[Finding]:
             f"{record.time[longest.first]:.3f} s on, in the middle of a motion: the encoder is stuck or not read, or "
             "something holds the cart",
         )
+
+
+def _let_go(record: Record, still: Standstill) -> bool:
+    """Whether the force that drove the cart went away as the standstill began: behind a gear a motor stops dead then."""
+    before, arrived = still.first - _AROUND, still.first + 1
+    ahead = math.copysign(1.0, still.value - float(record.position[before]))
+    pushed, pushes = ahead * record.force_at(record.time[[before, arrived]])
+    return bool(pushed > 0.0 and pushes < _GONE * pushed)
 
 
 def resolution(record: Record, motion: Motion) -> Iterator[Finding]:
