@@ -272,7 +272,8 @@ def test_a_motor_that_is_switched_off_hits_no_stop(then: float, codes: list[str]
     time = np.arange(0.0, 12.0, 0.01)
     drive = np.where(time < 2.0, 0.0, np.where(time < 8.0, 6.0, then))
     driven = np.clip(time - 2.0, 0.0, 6.0)
-    turned = 0.0005 * np.round((8.0 * driven + 0.05 * np.sin(9.0 * driven)) / 0.0005)
+    begun = 8.0 * driven - 0.8 * (1.0 - np.exp(-10.0 * driven))
+    turned = 0.0005 * np.round((begun + 0.01 * np.sin(9.0 * driven)) / 0.0005)
     motor = Record(time, turned, time, drive, force_unit="V", position_unit="rad")
     assert [one.code for one in check(motor) if "position" in one.code] == codes
 

@@ -52,7 +52,7 @@ def frozen_encoder(record: Record, motion: Motion) -> Iterator[Finding]:
 
 
 def _let_go(record: Record, still: Standstill) -> bool:
-    """Whether the force that drove the cart went away as the standstill began: behind a gear a motor stops dead then."""
+    """Whether what drove the cart went away as the standstill began: behind a gear a motor stops dead then."""
     before, arrived = still.first - _AROUND, still.first + 1
     ahead = math.copysign(1.0, still.value - float(record.position[before]))
     pushed, pushes = ahead * record.force_at(record.time[[before, arrived]])
