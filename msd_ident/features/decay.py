@@ -18,6 +18,7 @@ from msd_ident.data.noise import Noise
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.features import oscillation
 from msd_ident.features.form import StandardForm
+from msd_ident.features.let_go import let_go
 from msd_ident.features.response import Response
 from msd_ident.features.rest_and_turns import Extreme, extremes, settled_value
 from msd_ident.quantity import MAD, Quantity
@@ -57,6 +58,8 @@ def free_decay(record: Record, noise: Noise) -> Response | None:
     turns = _swinging(_shrinking(extremes(record.time, record.position, noise.floor)))
     settled = settled_value(record.position, noise)
     first = _release(record, turns)
+    if first == 0 and (freed := let_go(record, noise)) is not None:
+        first = int(np.searchsorted(record.time, freed))  # with too few readings no law tells a hand that holds
     turns = turns if first is None else _after(turns, float(record.time[first]))
     found = oscillation.all_peaks(turns, settled, noise.unit)
     if found is None or abs(turns[0].value - found.middle.value) < _CLEAR * noise.floor:

@@ -12,6 +12,8 @@ _CLEAR = 20.0
 #: Part of the motion within which the cart is where it was held, since readings of one at rest may creep; or so many
 #: noise floors and an encoder step.
 _PLACE, _STILL = 0.01, 5.0
+#: Part of the readings before it moves that are at the place; some may be off.
+_STAYS = 0.9
 
 
 def let_go(record: Record, noise: Noise) -> float | None:
@@ -36,5 +38,7 @@ def let_go(record: Record, noise: Noise) -> float | None:
     half = int(np.argmax(away > 0.5 * way))
     near = np.flatnonzero(away[:half] <= max(_PLACE * way, _STILL * noise.floor + noise.step))
     left = int(near[-1]) + 1 if near.size else 0
+    if near.size < _STAYS * left:
+        return None  # it only comes by its first place again
     rested, moved = record.time[left] - record.time[0], record.time[half] - record.time[left]
     return float(record.time[left]) if rested > moved and record.samples - left > MINIMUM_SAMPLES else None

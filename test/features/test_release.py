@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pendulums import dropped
 
 from msd_ident.data.record import Record
 from msd_ident.features import extract
@@ -121,3 +122,13 @@ def test_a_measured_pull_and_release(shared_data: Path) -> None:
     (rest,), (used,) = data.rest_before, data.records
     assert 1.73 < used.time[0] < 1.78
     assert rest is not None and 1.0 < rest.time[-1] < 1.5 and np.ptp(rest.position) == 0.0
+
+
+def test_a_pendulum_that_is_held_is_free_later_though_most_readings_are_lost() -> None:
+    """With ten readings in a packet of 36, the law of the decay departs as much as a hand does."""
+    whole = dropped(15.0, (1.0, 55.0, 0.005), 1.0, 1.45, 1.7)
+    sent = np.flatnonzero(np.arange(whole.samples) % 36 < 10)
+    (response,) = extract(Record(whole.time[sent], whole.position[sent], whole.time[:1], np.zeros(1))).responses
+    assert 1.7 - 36 / 200 < response.onset < 1.7 + 36 / 200
+    (free,) = extract(Record(whole.time[400:], whole.position[400:], whole.time[400:401], np.zeros(1))).responses
+    assert free.onset == pytest.approx(2.0, abs=0.2), "in motion from the first sample on"
