@@ -257,7 +257,8 @@ def _sentence(sprung: bool, held: FitResult, free: FitResult, records: tuple[Rec
             f"{'' if forced else ' for one unit of mass'}{likelier}"
             f"{f'; it carries {two_digits(share)} % of the force' if forced else ''}"
         )
-    change = f"without it the error is {_times(free.see / held.see)}as large"
+    # A model with a spring holds the one without: a smaller error there is a fit that did not come to its end.
+    change = f"without it the error is {_times(max(free.see / held.see, 1.0))}as large"
     if sprung:
         said = f"No response shows whether a spring acts; a spring is assumed: {found}, and {change}. If there is none,"
         return f"{said} use --model no_spring."

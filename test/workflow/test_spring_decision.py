@@ -150,6 +150,17 @@ def test_the_spring_of_a_controlled_cart_is_kept() -> None:
         assert "If there is none, use --model no_spring." in sentences(found)
 
 
+def test_a_fit_with_a_spring_that_did_not_end_makes_the_error_without_one_no_smaller() -> None:
+    """Of a measured motor it was said that "without it the error is 0.72 times as large"."""
+    record = open_loop(3.0 * np.sin(T) + np.sin(7.0 * T), stiffness=0.0)
+    free = fit(Plant(1.0, 3.0, 0.0), record, fixed=("stiffness",))
+    held = fit(Plant(1.0, 3.0, 40.0), record)
+    unfinished = replace(held, see=1.4 * free.see)
+    assert spring_decision._sentence(False, unfinished, free, (record,)).endswith(
+        "and without it the error is as large. If there is one, use --model spring."
+    )
+
+
 def test_a_spring_that_the_force_shows_plainly_needs_no_fit(monkeypatch: pytest.MonkeyPatch) -> None:
     record = open_loop(5.0 * np.sin(2.0 * T + 4.0 * T**2) * np.sin(0.7 * T))
     monkeypatch.setattr(spring_decision, "fit", None)
