@@ -225,6 +225,17 @@ def test_a_force_that_changes_from_the_first_line_on_holds_no_level_to_rest_unde
     assert quality.begins_pushed(rested) and quality.rests_under_force(rested)
 
 
+def test_a_cart_that_speeds_up_from_its_first_line_does_not_rest_under_the_first_force() -> None:
+    """A measured motor under a position loop: 64° came of the first command, of which 2 % in the time of its level."""
+    time = 0.002 * np.arange(3000)
+    motion = np.where(time < 1.0, 30.0 * time**2, 30.0 + 60.0 * (time - 1.0))
+    force = np.where(time < 0.08, -32.0, np.where(time < 1.0, -20.0, 32.0))
+    begun = from_samples(time, -force, motion + np.random.default_rng(5).normal(0.0, 1e-4, time.size))
+    assert quality.begins_pushed(begun) and not quality.rests_under_force(begun)
+    late = np.concatenate((np.full(40, 0.0), motion[:-40]))
+    assert quality.rests_under_force(from_samples(time, -force, late)), "it moves when the command changes"
+
+
 @pytest.mark.parametrize("force", [5.0, -3.0])
 def test_a_release_under_a_constant_force_is_no_step(force: float) -> None:
     displaced = float(np.sign(force)) * 0.03

@@ -24,6 +24,8 @@ _CHANGE = 0.05
 _RESTS, _CREEPS = 0.25, 0.02
 #: Readings of a cart at rest stay within this many noise floors, and one encoder step, of their median.
 _STILL = 5.0
+#: Times as far as in the first half of the time that a cart has come which speeds up: between 2 and 4.
+_SPEEDS_UP = 3.0
 #: Part of the change of the force that comes in the first half of the time to it, where the force holds a level first.
 _SLOPE = 0.2
 
@@ -60,7 +62,7 @@ def rests_under_force(record: Record) -> bool:
     noise = noise_of(record)
     stays = left < max(_STILL * noise.floor + noise.step, _CREEPS * float(np.ptp(record.position)))
     rests = float(np.ptp(held)) / abs(first) < _RESTS * float(np.ptp(after)) / max(height, _CHANGE * span)
-    if not _is_level(record, change, first) and _moves(held, noise):
+    if (not _is_level(record, change, first) and _moves(held, noise)) or _departs(held, noise):
         return False
     return stays and rests and not (_passes(held, after, noise) or _follows(record, change, jump))
 
@@ -76,6 +78,21 @@ def _is_level(record: Record, change: float, first: float) -> bool:
 
 def _moves(held: FloatArray, noise: Noise) -> bool:
     return float(np.ptp(held)) > 2.0 * _STILL * noise.floor + noise.step
+
+
+def _departs(held: FloatArray, noise: Noise) -> bool:
+    """Whether a cart leaves its first place as one does that a constant force pushes from rest, with x over t²: four
+    times as far as in the first half of the time, where that is seen. One that creeps goes twice as far.
+    """
+    few = max(held.size // 10, 1)
+    begin, middle, end = (float(np.median(part)) for part in (held[:few], _around(held, few), held[-few:]))
+    half_way = abs(middle - begin)
+    return half_way > _STILL * noise.floor + noise.step and abs(end - begin) > _SPEEDS_UP * half_way
+
+
+def _around(held: FloatArray, few: int) -> FloatArray:
+    """A few readings about the middle one."""
+    return held[held.size // 2 - few // 2 :][:few]
 
 
 def _passes(held: FloatArray, after: FloatArray, noise: Noise) -> bool:
