@@ -9,6 +9,7 @@ import numpy as np
 
 from msd_ident.model.declarations import Parameter
 from msd_ident.model.effects.base import Effect
+from msd_ident.quantity import two_digits
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
@@ -17,13 +18,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ForceGainAsymmetry(Effect):
-    """F·(1 + g·sign(F)): push and pull of an amplifier, a valve or a muscle differ."""
+    """F·(1 + g·sign(F)): push and pull of an amplifier, a valve or a muscle differ. A rope pulls only: g is 1 or -1."""
 
     gain_asymmetry: float
 
     name = "force_gain_asymmetry"
     parameters = (
-        Parameter("gain_asymmetry", "g", "1", -0.95, 0.95, "force gain upwards less that of the mean, relative"),
+        Parameter("gain_asymmetry", "g", "1", -1.0, 1.0, "force gain upwards less that of the mean, relative"),
     )
     acts_on = "input"
     law = "F·(1 + g·sign(F))"
@@ -39,6 +40,19 @@ class ForceGainAsymmetry(Effect):
     def input_map(u: float, gain_asymmetry: float) -> float:
         """Force [N] that a commanded u [N] becomes."""
         return u + gain_asymmetry * abs(u)
+
+    def same_as(self, model: Model) -> str:
+        """A drive that is weaker one way, and one that is stronger the other way: only ratios of gain and plant are
+        seen.
+        """
+        del model
+        size = abs(self.gain_asymmetry)
+        if size < 0.01:
+            return ""
+        return (
+            "force_gain_asymmetry states both gains about their mean; where the stronger way gives the force that is "
+            f"recorded, mass, damping and stiffness are {two_digits(1.0 / (1.0 + size))} times as large."
+        )
 
     def keeps_gain(self) -> bool:
         """Its gain is 1 + g or 1 - g at every command."""
