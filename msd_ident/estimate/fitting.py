@@ -10,6 +10,7 @@ import numpy as np
 
 from msd_ident.data.record import Record
 from msd_ident.errors import UsageError
+from msd_ident.estimate.effort import LONG
 from msd_ident.estimate.formulation import (
     Zero,
     formulate,
@@ -44,6 +45,7 @@ def fit(
     starts: Sequence[Model] = (),
     search: Search = "wide",
     initial: Sequence[Initial] = (),
+    steps: int = LONG,
 ) -> FitResult:
     """Fit a model to all records at once: shared parameters, each record its own initial state and zero.
 
@@ -57,6 +59,7 @@ def fit(
         search: ``wide`` starts from a regression, from all starts and from the effects' own guesses; ``near`` only from
             the values given, for a model that is nearly right already.
         initial: with ``near``, the state and zero of each record to start from (those of an earlier fit).
+        steps: with ``near``, the most iterations.
 
     Returns:
         The fit; one that failed says so in ``converged`` and ``message``.
@@ -69,7 +72,7 @@ def fit(
     problem = formulate(model, group, fixed, zero)
     floor = noise_floor(group)
     models = [model, *(_same_structure(model, other) for other in starts)]
-    outcome = _near(problem, models, initial) if search == "near" else _wide(problem, models, floor)
+    outcome = _near(problem, models, initial, steps) if search == "near" else _wide(problem, models, floor)
     if loss == "linear":
         return summarise_fit(problem, outcome, floor)
     for _ in range(2):  # the scale of the first round is still spoiled by what it is meant to keep out
@@ -94,7 +97,7 @@ def _wide(problem: Problem, models: Sequence[Model], floor: float) -> Solution:
     )
 
 
-def _near(problem: Problem, models: Sequence[Model], initial: Sequence[Initial]) -> Solution:
+def _near(problem: Problem, models: Sequence[Model], initial: Sequence[Initial], steps: int) -> Solution:
     if initial and len(initial) != len(problem.records):
         raise UsageError(f"{len(initial)} initial states for {len(problem.records)} records; expected one each")
     states = list(initial) or [Initial(*state) for state in starting_states(problem)]
@@ -102,7 +105,7 @@ def _near(problem: Problem, models: Sequence[Model], initial: Sequence[Initial])
     outcomes = []
     for model in models:
         values = dict(zip(model.names, model.values.tolist(), strict=True))
-        outcomes.append(minimise(objective, problem.vector(values, states), limits(problem)))
+        outcomes.append(minimise(objective, problem.vector(values, states), limits(problem, steps)))
     return min(outcomes, key=lambda outcome: outcome.cost)
 
 

@@ -14,6 +14,7 @@ from collections.abc import Sequence
 from msd_ident.data.record import Record
 from msd_ident.data.resampling import centred, led
 from msd_ident.estimate import FitResult, fit
+from msd_ident.estimate.effort import SHORT
 from msd_ident.estimate.levels import NEGLIGIBLE, TENTH
 from msd_ident.model.effects import structural
 from msd_ident.model.effects.law import DELAY
@@ -48,8 +49,8 @@ def found(fitted: FitResult, records: Sequence[Record]) -> float:
     if not named:
         kept = frozenset(fitted.model.names) - frozenset(fitted.free)
         timed = fitted.model + delay.within_bounds(0.0)
-        # Beside the error of a law, a lead may stand for a part of it.
-        fitted = widened(fit(timed, records, fixed=kept, search="near", initial=fitted.initial))
+        near = fit(timed, records, fixed=kept, search="near", initial=fitted.initial, steps=SHORT)
+        fitted = widened(near)  # beside the error of a law, a lead may stand for a part of it
     seen, half = fitted.quantities[delay.parameters[0].name], half_sample(late)
     lead, std = -seen.value, seen.std
     if not (math.isfinite(std) and lead > NEGLIGIBLE * half and lead > (Z95 if named else _CLEAR) * std):

@@ -224,6 +224,11 @@ def test_misuse_is_refused_in_words() -> None:
         fit(DEMO, record, zero="maybe")  # type: ignore[arg-type]
 
 
+def test_a_fit_near_its_start_ends_after_the_steps_that_it_is_given() -> None:
+    ended = fit(wrong(DEMO), demo_record(rate=250.0), search="near", steps=1)
+    assert not ended.converged and "after 1 iterations" in ended.message
+
+
 def test_a_result_cannot_be_changed() -> None:
     result = fit(DEMO, demo_record(rate=250.0))
     with pytest.raises(dataclasses.FrozenInstanceError):
