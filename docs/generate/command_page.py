@@ -23,7 +23,8 @@ _HEAD = """# Command line
 |---|---|
 | 0 | The command is done. The verdict and single rows of a batch do not change this. |
 | 1 | A demand is not met: `msd validate --require`, `msd watch --check`. Also an internal error, with a traceback. |
-| 2 | An option, a file or a rig cannot be used, or the command was interrupted. Standard error says why, in one line. |
+| 2 | An option, a file or a rig cannot be used, or a limit stopped a run. Standard error says why, in one line. |
+| 130 | Ctrl-C ended the command, also a run on a rig, which is left with force 0. Standard error says what is kept. |
 
 With several paths, a path that cannot be used does not stop the others.
 

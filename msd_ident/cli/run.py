@@ -10,7 +10,7 @@ from types import FrameType
 from typing import Annotated
 
 from msd_ident.cli import groups, options, progress, results
-from msd_ident.errors import UsageError
+from msd_ident.errors import Interrupted, UsageError
 
 OutOption = Annotated[Path | None, options.output_option("--out", metavar="FOLDER", help="bag to record")]
 ResetOption = Annotated[bool, options.rig_option("--reset", help="first call rig/reset, if it exists")]
@@ -39,7 +39,7 @@ def run(
     bag = out or Path(f"{profile.stem}_bag")
     results.check_targets(False, bag)
     require_ros("msd run")
-    from msd_ident.ros.experimenter.profile_player import Experiment
+    from msd_ident.ros.experimenter.profile_player import CANCELLED, Experiment
     from msd_ident.ros.experimenter.session import conductor
 
     with (
@@ -59,8 +59,11 @@ def run(
     results.write([line], output)
     if output.tables:
         print(done.sentence)
-    if done.stopped and done.stopped != "cancelled":
-        raise UsageError(f"{done.stopped}; the force is 0 and {done.bag} holds what was recorded until then")
+    kept = f"the force is 0 and {done.bag} holds what was recorded until then"
+    if done.stopped == CANCELLED:
+        raise Interrupted(kept)
+    if done.stopped:
+        raise UsageError(f"{done.stopped}; {kept}")
     return 0
 
 

@@ -41,8 +41,8 @@ def from_stamps(
     """Record from two streams with absolute stamps, as messages have them.
 
     A live buffer and a bag with the same samples give exactly the same record. Time 0 is the first position stamp. A
-    few late samples are sorted in, of samples with one stamp the first is kept, and a wrapped angle is unwrapped, each
-    with a note.
+    few late samples are sorted in, and a wrapped angle is unwrapped, each with a note. Of positions with one stamp the
+    first is kept; of forces the last one, which replaces a force that was sent ahead of its instant.
 
     Args:
         position_ns: (n,) stamps of the positions [ns], in order of arrival.
@@ -57,7 +57,8 @@ def from_stamps(
     """
     found: list[str] = list(notes)
     ns_x, x = _ordered(_Stream("position", 1e-9), np.asarray(position_ns, dtype=np.int64), position, found)
-    ns_f, f = _ordered(_Stream("force", 1e-9, ns_x[0]), np.asarray(force_ns, dtype=np.int64), force, found)
+    told = _Stream("force", 1e-9, ns_x[0], replaced=True)
+    ns_f, f = _ordered(told, np.asarray(force_ns, dtype=np.int64), force, found)
     start = int(ns_x[0])
     # Division by 1e9 rounds once, so that rint(time * 1e9) gives the stamp back; a product with 1e-9 does not.
     time = (ns_x - start) / 1e9
@@ -82,6 +83,8 @@ def from_seconds(
     **about: Unpack[About],
 ) -> Record:
     """Record from two streams with stamps in seconds, as a table has them; otherwise as ``from_stamps``.
+
+    Of lines with one stamp the first is kept, for the force too.
 
     Args:
         position_time: (n,) stamps of the positions [s].
@@ -138,11 +141,13 @@ class _Stream:
         what: position or force.
         tick: unit of its stamps [s].
         begin: stamp of the first position, where these are forces.
+        replaced: a later sample replaces an earlier one with the same stamp.
     """
 
     what: str
     tick: float
     begin: float | None = None
+    replaced: bool = False
 
 
 def _ordered(stream: _Stream, stamps: Stamps, values: npt.ArrayLike, notes: list[str]) -> tuple[Stamps, FloatArray]:
@@ -154,12 +159,13 @@ def _ordered(stream: _Stream, stamps: Stamps, values: npt.ArrayLike, notes: list
     if stamps.size == 0:
         raise DataError(f"no {what} samples; expected at least one: check that the {what} was published and recorded")
     check_finite(np.asarray(stamps, dtype=np.float64), f"{what} time")
-    late = _late(stream, stamps, data)
+    taken_back = _taken_back(stamps, data) if stream.replaced else np.zeros(stamps.size, dtype=np.bool_)
+    late = _late(stream, stamps, data, taken_back)
     if late:
         notes.append(f"{what}: {late} of {stamps.size} samples came late and were sorted by their stamps.")
     if stream.begin is not None and (early := _out_of_order(stamps, stream.begin)):
         notes.append(f"{what}: {early} samples from before the positions came out of order and were sorted.")
-    unique, first = np.unique(stamps, return_index=True)
+    unique, kept = _kept(stamps, stream.replaced)
     dropped = stamps.size - unique.size
     if what == "position" and unique.size < MINIMUM_SAMPLES <= stamps.size:
         raise DataError(
@@ -167,20 +173,43 @@ def _ordered(stream: _Stream, stamps: Stamps, values: npt.ArrayLike, notes: list
             "time column, or what stamps the messages"
         )
     if dropped:
-        other = int(np.count_nonzero(data != data[first][np.searchsorted(unique, stamps)]))
-        differ = f", {other} of them with another value" if other else ""
+        differs = data != data[kept][np.searchsorted(unique, stamps)]
+        back = int(np.count_nonzero(differs & np.isin(stamps, stamps[taken_back])))
+        other = int(np.count_nonzero(differs)) - back
+        differ = f", {back} of them replaced by a 0 that was sent later" if back else ""
+        differ += f", {other} of them with another value" if other else ""
         if other > stamps.size // 10 and unique.size > 1:
             ticks = tick * float(np.median(np.diff(unique)))
             differ += f": their clock ticks every {ticks:.3g} s, so force and position may be as far apart"
         notes.append(f"{what}: {dropped} samples with duplicate stamps were dropped{differ}.")
-    return unique, data[first]
+    return unique, data[kept]
 
 
-def _late(stream: _Stream, stamps: Stamps, data: FloatArray) -> int:
+def _kept(stamps: Stamps, replaced: bool) -> tuple[Stamps, npt.NDArray[np.int64]]:
+    """Rising stamps, and which sample counts for each: the last one that came, or else the first."""
+    if not replaced:
+        return np.unique(stamps, return_index=True)
+    unique, last = np.unique(stamps[::-1], return_index=True)
+    return unique, stamps.size - 1 - last
+
+
+def _taken_back(stamps: Stamps, data: FloatArray) -> npt.NDArray[np.bool_]:
+    """Which forces are a 0 that takes the place of a force that was sent ahead of its instant.
+
+    Who stops sends 0 with the present stamp, and then 0 with each stamp ahead, which is there already.
+    """
+    unique, first = np.unique(stamps, return_index=True)
+    again = first[np.searchsorted(unique, stamps)] < np.arange(stamps.size)
+    back = np.asarray((data == 0.0) & again, dtype=np.bool_)
+    back[:-1] |= (data[:-1] == 0.0) & (stamps[:-1] < stamps[1:]) & back[1:]
+    return back
+
+
+def _late(stream: _Stream, stamps: Stamps, data: FloatArray, taken_back: npt.NDArray[np.bool_]) -> int:
     """Number of samples that are older than one before them.
 
     Not of forces that were there before, as where a rig tells what it was told, nor of those from before the positions
-    (``_from_before``).
+    (``_from_before``), nor of those that are ``taken_back``.
 
     Raises:
         DataError: they are more than chance delays on the way explain, or one is late by more than
@@ -188,7 +217,7 @@ def _late(stream: _Stream, stamps: Stamps, data: FloatArray) -> int:
     """
     what, tick = stream.what, stream.tick
     behind = (np.maximum.accumulate(stamps) - stamps) * tick
-    late = np.flatnonzero(behind > 0)
+    late = np.flatnonzero((behind > 0) & ~taken_back)
     repeated = _repeated(stamps, data, late)
     if stream.begin is not None:
         kept = ~(_from_before(stamps, stream.begin)[late] | repeated)

@@ -75,6 +75,28 @@ def test_a_rig_that_tells_its_commands_again_changes_nothing_but_the_notes(told:
     assert any(f"{len(told)} samples with duplicate stamps were dropped." in note for note in record.notes)
 
 
+@pytest.mark.parametrize(("period", "ahead"), [(2, 25), (2, 700), (500, 3)])
+def test_forces_that_are_taken_back_did_not_act(period: int, ahead: int) -> None:
+    """Who stops sends 0 with the present stamp, and with each stamp that it sent ahead: the later one counts."""
+    ns = 10**18 + 10**6 * np.arange(4000, dtype=np.int64)
+    sent = ns[100:3000:period]
+    stop = sent[-ahead] - 300_000
+    told = np.concatenate([sent, [stop], sent[-ahead:]])
+    force = np.concatenate([1.0 + np.arange(sent.size) % 7, np.zeros(ahead + 1)])
+    record = from_stamps(ns, np.arange(4000.0), told, force)
+    stopped = (stop - ns[0]) / 1e9
+    np.testing.assert_array_equal(record.force[record.force_time >= stopped], np.zeros(ahead + 1))
+    np.testing.assert_array_equal(record.force[record.force_time < stopped], force[: sent.size - ahead])
+    dropped = f"force: {ahead} samples with duplicate stamps were dropped"
+    assert record.notes == (f"{dropped}, {ahead} of them replaced by a 0 that was sent later.",)
+
+
+def test_a_table_keeps_the_first_line_of_a_stamp() -> None:
+    """Its lines are no messages, of which a later one replaces an earlier one."""
+    record = from_seconds(np.repeat(T, 2), np.repeat(X, 2), np.repeat(T, 2), np.tile([1.0, 0.0], T.size))
+    assert set(record.force) == {1.0}
+
+
 def test_commands_from_before_the_record_may_come_in_any_order() -> None:
     """A recorder that listens late is sent all that a publisher keeps, after the first new command."""
     ns = 10**18 + 10**7 * np.arange(200, dtype=np.int64)

@@ -73,6 +73,24 @@ def test_late_samples_and_duplicates_are_counted_and_mended() -> None:
     assert "position: 1 repeated samples, or samples with a repeated stamp, were left out." in record.notes
 
 
+@pytest.mark.parametrize("lead_ms", [50, 1500])
+def test_forces_that_are_taken_back_did_not_act(lead_ms: int) -> None:
+    """A run that is stopped sends 0 in the place of each force that it sent ahead of its instant."""
+    ns = np.array(stamps(6000))
+    stop = 6000 - lead_ms
+    buffer = LiveBuffer(100_000)
+    buffer.add_positions(ns[:stop], ringing(ns[:stop].tolist()))
+    sent = ns[::4]
+    for at in sent:
+        buffer.add_force(int(at), 5.0)
+    for at in (ns[stop] - 1000, *sent[sent >= ns[stop]]):
+        buffer.add_force(int(at), 0.0)
+    record = buffer.record()
+    stopped = (ns[stop] - 1000 - ns[0]) / 1e9
+    assert set(record.force[record.force_time >= stopped]) == {0.0}
+    assert set(record.force[record.force_time < stopped]) == {5.0}
+
+
 def test_a_clock_set_back_begins_a_new_recording_with_the_force_that_holds() -> None:
     ns = stamps(4000)
     buffer = LiveBuffer(10_000)

@@ -6,6 +6,7 @@ import re
 import threading
 import time
 from collections.abc import Iterator
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -20,12 +21,13 @@ from graph import Graph, graph, until  # noqa: E402
 from rclpy.action import ActionClient  # noqa: E402
 from rclpy.parameter import Parameter  # noqa: E402
 
+from msd_ident.cli.main import main  # noqa: E402
 from msd_ident.design import Limits, Profile, Segment  # noqa: E402
 from msd_ident.design.profile_file import to_yaml  # noqa: E402
 from msd_ident.errors import SetupError, UsageError  # noqa: E402
 from msd_ident.io import SourceOptions, read  # noqa: E402
 from msd_ident.ros.common import names  # noqa: E402
-from msd_ident.ros.experimenter import profile_player  # noqa: E402
+from msd_ident.ros.experimenter import profile_player, session  # noqa: E402
 from msd_ident.ros.experimenter.node import Experimenter  # noqa: E402
 from msd_ident.ros.experimenter.profile_player import Experiment, Played, ProfilePlayer  # noqa: E402
 from msd_ident.ros.recorder.recording import Recording  # noqa: E402
@@ -211,6 +213,44 @@ def test_nothing_moves_beyond_the_limits_or_without_a_rig(
         play(ros, STEP, tmp_path / "bag")
     assert not any(told.all)
     assert not (tmp_path / "bag").exists()
+
+
+@pytest.mark.parametrize("stopped", ["cancelled", "the cart left its travel"])
+def test_a_run_that_is_stopped_leaves_a_bag_that_can_be_identified(ros: Graph, tmp_path: Path, stopped: str) -> None:
+    """The forces that were sent ahead are taken back: they come again, with 0, and did not act."""
+    rig(ros, rate=500.0)
+    sweep = Profile((Segment("sweep", 15.0, amplitude=8.0, low_hz=1.0, high_hz=8.0),), "sweep", rate=400.0)
+    travel = 0.1 if stopped == "cancelled" else 0.011
+    stop = threading.Event()
+
+    def advance(part: float, force: float, at: float) -> None:
+        if part > 0.08 and stopped == "cancelled":
+            stop.set()
+
+    done = play(
+        ros, sweep, tmp_path / "bag", Limits((-10.0, 10.0), (-travel, travel), 20.0), stop=stop, advance=advance
+    )
+    assert done.stopped.startswith(stopped) and done.commands < 2000
+    record = read(tmp_path / "bag", SourceOptions())
+    pushed = record.force_time[record.force != 0.0]
+    assert record.time[-1] - pushed[-1] > 0.0 and not record.force[-10:].any()
+    assert any("of them replaced by a 0 that was sent later" in note for note in record.notes)
+
+
+def test_ctrl_c_during_a_run_has_its_own_exit_code(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def cancelled(experiment: Experiment, *_: object) -> Played:
+        return Played(experiment.bag, profile_player.CANCELLED, 3, 0.0, 0.0)
+
+    monkeypatch.setattr(session, "conductor", lambda *_: nullcontext(SimpleNamespace(play=cancelled)))
+    monkeypatch.chdir(tmp_path)
+    Path("l.yaml").write_text("force: 10\ntravel: 0.03\nduration: 20\n")
+    Path("p.yaml").write_text(to_yaml(STEP))
+    monkeypatch.setattr("sys.argv", ["msd", "run", "p.yaml", "--limits", "l.yaml", "--quiet"])
+    assert main() == 130
+    said = capsys.readouterr().err
+    assert said == "msd: interrupted; the force is 0 and p_bag holds what was recorded until then\n"
 
 
 def test_the_action_plays_and_a_cancelled_goal_stops(ros: Graph, tmp_path: Path) -> None:

@@ -139,7 +139,7 @@ class LiveBuffer:
         """Take one force sample; one of another clock waits until the position follows it."""
         with self._lock:
             self._forces += 1
-            if self.force.size and ns < self.force.newest_ns - _SET_BACK_NS:
+            if self.force.size and ns < self.force.newest_ns - _SET_BACK_NS and not self._takes_back(ns, value):
                 self._other_force(ns, value, "behind the one before it", self.force.newest_ns - ns)
             elif self.position.size and ns > self.position.newest_ns + _AHEAD_NS:
                 self._other_force(ns, value, "ahead of the position", ns - self.position.newest_ns)
@@ -147,6 +147,10 @@ class LiveBuffer:
                 self._duplicates += ns == self.force.newest_ns
                 self._late += ns < self.force.newest_ns
                 self.force.append(ns, value)
+
+    def _takes_back(self, ns: int, value: float) -> bool:
+        """Whether a force may be a 0 that replaces one that was sent ahead, as where a run is stopped."""
+        return value == 0.0 and bool(self.position.size) and ns >= self.position.newest_ns - _SET_BACK_NS
 
     def recent(self, seconds: float) -> tuple[StampArray, FloatArray]:
         """Position samples of the last seconds by stamp, in order of arrival."""

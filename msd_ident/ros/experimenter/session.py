@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from msd_ident.design import Limits, Profile
-from msd_ident.errors import DataError, UsageError
+from msd_ident.errors import DataError, Interrupted
 from msd_ident.io import SourceOptions, read
 from msd_ident.ros.common.node_runner import spun
 from msd_ident.ros.experimenter.profile_player import LEAD, Advance, Experiment, ProfilePlayer
@@ -49,14 +49,14 @@ class GraphRig:
         """Play one profile; what is recorded in a bag.
 
         Raises:
-            UsageError: it was cancelled.
+            Interrupted: it was cancelled.
             DataError: it was stopped so soon that nothing can be learnt from it.
         """
         self.runs += 1
         bag = self.folder / f"run_{self.runs}"
         done = self.conductor.play(Experiment(profile, limits, bag, reset=True), self.stop, self.advance)
         if self.stop.is_set():
-            raise UsageError(f"interrupted; the force is 0 and {bag} holds what was recorded until then")
+            raise Interrupted(f"the force is 0 and {bag} holds what was recorded until then")
         try:
             record = read(bag, SourceOptions())
         except DataError as error:
