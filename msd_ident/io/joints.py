@@ -131,11 +131,13 @@ def _readings(bag: Bag, most: int | None) -> Iterator[tuple[Joint, _Reading]]:
             message: Any = decoder.decode(raw.data)
             if message is None:
                 continue
-            efforts = len(message.effort)
+            efforts = [not math.isnan(effort) for effort in message.effort]  # NaN: the driver has none
             for index, name in enumerate(message.name[: len(message.position)]):
+                if math.isnan(message.position[index]):
+                    continue
                 twice = message.name.count(name) > 1
                 joint = Joint(topic, f"{name} [{index}]", False, str(index)) if twice else Joint(topic, name, False)
-                yield joint, _Reading(float(message.position[index]), index < efforts)
+                yield joint, _Reading(float(message.position[index]), any(efforts[index : index + 1]))
 
 
 def _moves(position: Sequence[float]) -> bool:

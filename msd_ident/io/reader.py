@@ -52,7 +52,7 @@ class _Signal:
         self._samples = 0
         self._batches: list[tuple[int, int]] = []  # sequence number and size, in stored order
         self._periods: list[int] = []
-        self._messages = self._unreadable = self._unstamped = self._without = 0
+        self._messages = self._unreadable = self._unstamped = self._without = self._nan = 0
         self._joints: set[str] = set()
 
     def add(self, raw: RawMessage) -> None:
@@ -90,13 +90,21 @@ class _Signal:
             )
 
     def samples(self) -> tuple[npt.NDArray[np.int64], FloatArray]:
-        """Stamps [ns] and values in the order of the bag.
+        """Stamps [ns] and values in the order of the bag, without those that are NaN: there is no sample in them.
 
         Raises:
             DataError: there are none.
         """
         if not self._stamps:
             raise self._nothing()
+        stamps, values = self._all_samples()
+        there = ~np.isnan(values)
+        self._nan = int(np.count_nonzero(~there))
+        if self._nan and self._nan == values.size:
+            raise self._nothing()
+        return (stamps[there], values[there]) if self._nan else (stamps, values)
+
+    def _all_samples(self) -> tuple[npt.NDArray[np.int64], FloatArray]:
         stamps = self._completed(np.array(self._stamps, dtype=np.int64), np.array(self._log_times, dtype=np.int64))
         if self.source.is_batch:
             sizes = [size for _, size in self._batches]
@@ -137,15 +145,31 @@ class _Signal:
             )
         if self._without:
             notes.append(f"{name}: {self._without} of {self._messages} messages hold no {self.source.field.text}.")
+        if self._nan:
+            notes.append(self._without_number())
         lost, gaps = self._missing
         if lost:
             notes.append(f"{name}: {lost} samples are missing in {gaps} gaps of the batches' sequence numbers.")
         return notes
 
+    def _without_number(self) -> str:
+        """A sentence on the samples that are NaN."""
+        where = f"{self.source.label} is NaN in {self._nan} of {self._samples} samples"
+        if self._what == "position":
+            return f"{where}, which are left out."
+        return (
+            f"{where}: the force is held there. If it was not, the parameters are wrong: cut the record with --start "
+            "and --end."
+        )
+
     def _nothing(self) -> DataError:
         label, topic = self.source.label, self.source.topic.name
+        hint = "; --force none for a free decay" if self._what == "force" else ""
+        if self._nan:
+            return DataError(
+                f"{label} is NaN in all {self._nan} samples; expected numbers: choose another --{self._what}{hint}"
+            )
         if self._messages == 0:
-            hint = "; --force none for a free decay" if self._what == "force" else ""
             return DataError(f"topic {topic} holds no messages; expected the {self._what}: record it{hint}")
         if self._without:
             joints = f"; the joints are: {', '.join(sorted(self._joints))}" if self._joints else ""

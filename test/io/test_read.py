@@ -34,6 +34,8 @@ from rosbags.typesys import Stores, get_typestore
 from msd_ident.data.record import Origin
 from msd_ident.errors import DataError, MsdError, UsageError
 from msd_ident.io import BagWriter, SourceOptions, open_bag, read
+from msd_ident.io.joints import Joint
+from msd_ident.io.joints import joints as found_joints
 
 
 def refusal(folder: Path, messages: list[Message], options: SourceOptions | None = None) -> str:
@@ -110,6 +112,51 @@ def test_joints_are_found_by_name_in_every_message(tmp_path: Path) -> None:
     assert (record.force_unit, record.position_unit) == ("N·m", "rad")
     assert record.shared_clock
     assert record.notes[0] == "/joint_states: 300 of 600 messages hold no position[elbow]."
+
+
+def test_a_nan_of_a_message_is_no_sample(tmp_path: Path) -> None:
+    """A driver publishes NaN for what it does not have; a table has it for a missing number, too."""
+    ns = stamps()
+    x, effort = ringing(ns), np.where(np.arange(500) < 100, 0.0, 10.0)
+    x[[0, 250, 499]] = effort[[0, 300]] = np.nan
+    told = zip(ns, x.tolist(), effort.tolist(), strict=True)
+    bag = make_bag(tmp_path / "bag", [("/joint_states", JOINTS, joints(t, [x], ("arm",), [f]), t) for t, x, f in told])
+    options = SourceOptions("/joint_states:effort[arm]", "/joint_states:position[arm]")
+    record = read(bag, options)
+    np.testing.assert_array_equal(record.position, x[~np.isnan(x)])
+    np.testing.assert_array_equal(record.force, effort[~np.isnan(effort)])
+    assert record.notes[:2] == (
+        "/joint_states:position[arm] is NaN in 3 of 500 samples, which are left out.",
+        "/joint_states:effort[arm] is NaN in 2 of 500 samples: the force is held there. If it was not, the parameters "
+        "are wrong: cut the record with --start and --end.",
+    )
+    table = tmp_path / "table.csv"
+    rows = np.column_stack([np.arange(500) / 1e3, effort, x]).tolist()
+    table.write_text("time_s,force_n,position_m\n" + "".join(f"{t!r},{f!r},{x!r}\n" for t, f, x in rows))
+    np.testing.assert_array_equal(read(table).position, record.position)
+    np.testing.assert_array_equal(read(table).force, record.force)
+
+
+def test_a_nan_in_a_batch_is_no_sample(tmp_path: Path) -> None:
+    x = ringing(stamps())
+    x[::10] = np.nan
+    parts = [
+        ("/encoder_batch", BATCH, batch(START_NS + i * 10**6, 10**6, i, x[i : i + 50].tolist()), START_NS)
+        for i in range(0, 500, 50)
+    ]
+    record = read(make_bag(tmp_path / "bag", [*force_messages(topic="/force"), *parts]))
+    np.testing.assert_array_equal(record.position, x[~np.isnan(x)])
+    assert "/encoder_batch:positions is NaN in 50 of 500 samples, which are left out." in record.notes
+    assert record.origins[0].lost == 0
+
+
+def test_an_effort_that_is_nan_throughout_is_none(tmp_path: Path) -> None:
+    nan = float("nan")
+    told = zip(stamps(), ringing(stamps()).tolist(), strict=True)
+    messages = [("/j", JOINTS, joints(t, [x, nan], ("a", "b"), [nan, nan]), t) for t, x in told]
+    assert found_joints(make_bag(tmp_path / "bag", messages)) == (Joint("/j", "a", False),)
+    with pytest.raises(DataError, match=r"effort\[a\] is NaN in all 500 samples; .*--force none for a free decay"):
+        read(tmp_path / "bag", SourceOptions("/j:effort[a]", "/j:position[a]"))
 
 
 def test_an_effort_that_nobody_measures_is_named(tmp_path: Path) -> None:
@@ -264,8 +311,8 @@ def test_topics_in_several_namespaces(tmp_path: Path) -> None:
         (
             encoder_messages(stamps())
             + force_messages()
-            + [("/msd/encoder", JOINTS, joints(START_NS + 500_000_000, [float("nan")]), START_NS)],
-            ["position holds 1 values that are not finite (first: nan at sample 500)"],
+            + [("/msd/encoder", JOINTS, joints(START_NS + 500_000_000, [float("inf")]), START_NS)],
+            ["position holds 1 values that are not finite (first: inf at sample 500)"],
         ),
         (
             encoder_messages(stamps()) + [("/msd/force", WRENCH, wrench(START_NS, float("inf")), START_NS)],
