@@ -84,16 +84,19 @@ def _line(path: Path, one: Any) -> dict[str, Any]:
 
 
 def _show(path: Path, results: Sequence[Any], console: Any) -> None:
+    """A table of the joints, and below it what was found of each: a sentence is too long for a column."""
     from rich.table import Table
 
     table = Table(title=f"{path}: {len(results)} joints", show_lines=True)
-    for name in ("joint", "effort is the force", "verdict", "inertia", "what was found"):
+    for name in ("joint", "effort is the force", "verdict", "inertia"):
         table.add_column(name, overflow="fold")
     for one in results:
         verdict, inertia = ("–", "–")
         if one.diagnosis is not None:
-            mass = one.diagnosis.base.quantities.get("mass")
+            mass = one.diagnosis.extended.quantities.get("mass")
             verdict = one.diagnosis.verdict
             inertia = f"{mass.value:.4g} {mass.unit}" if mass is not None else "–"
-        table.add_row(one.name, "yes" if one.usable else "no", verdict, inertia, one.sentence)
+        table.add_row(one.name, "yes" if one.usable else "no", verdict, inertia)
     console.print(table)
+    for one in results:
+        console.print(f"{one.name}: {one.sentence}", markup=False)

@@ -5,13 +5,17 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from badinputs import run
+from rich.console import Console
 from servos import geared, torque
 
+from msd_ident.cli.joints import _show
 from msd_ident.io import BagWriter, joints
+from msd_ident.workflow.all_joints import JointResult
 
 JOINTS = "sensor_msgs/msg/JointState"
 START_NS = 1_700_000_000_000_000_000
@@ -64,6 +68,20 @@ def test_every_joint_in_one_table_with_a_sentence(arm: Path, tmp_path: Path, ask
     for name in lines:
         assert name in done.out
     assert "e+12" not in done.out
+    found = lines["shoulder"]["diagnosis"]
+    assert f"{found['extended']['parameters']['mass']['value']:.4g} kg·m²" in done.out
+    assert f"shoulder: {lines['shoulder']['sentence']}" in " ".join(done.out.split())
+
+
+def test_the_inertia_is_that_of_the_model_with_the_named_causes(capsys: pytest.CaptureFixture[str]) -> None:
+    def fit(mass: float) -> SimpleNamespace:
+        return SimpleNamespace(quantities={"mass": SimpleNamespace(value=mass, unit="kg·m²")})
+
+    diagnosis = SimpleNamespace(verdict="explained", base=fit(0.009359), extended=fit(0.0094071))
+    _show(Path("arm"), [JointResult("elbow", True, "It sticks. " * 20, diagnosis)], Console(width=80))  # type: ignore[arg-type]
+    told = capsys.readouterr().out
+    assert "0.009407 kg·m²" in told and "0.009359" not in told
+    assert len(told.splitlines()) < 12, "no narrow column of many lines"
 
 
 def test_what_does_not_go_together_is_refused(arm: Path, repository: Path) -> None:
