@@ -31,7 +31,7 @@ class Repair:
         entry: files and topics of the bag as it is now.
         messages: number of messages that are there.
         lost: number of lost messages; estimated from sizes unless ``exact``.
-        seconds: log time that these covered.
+        seconds: log time that these covered; 0 where nothing tells it.
         open_seconds: time before the end of a recording that was never finished, of which nothing is known.
         changed: whether anything had to be done.
         notes: one sentence for each thing that was done or lost.
@@ -51,7 +51,8 @@ class Repair:
     def sentence(self) -> str:
         """For people."""
         about = "" if self.exact else "about "
-        lost = f"{about}{self.lost} lost ({self.seconds:.3g} s)" if self.lost or self.seconds else "none lost"
+        span = f" ({self.seconds:.3g} s)" if self.seconds else ""
+        lost = f"{about}{self.lost} lost{span}" if self.lost or self.seconds else "none lost"
         text = f"{self.path}: {self.messages} messages, {lost}"
         if self.open_seconds:
             text += f" of what was on the disk; up to {self.open_seconds:g} s before the recording broke off never got"
@@ -91,10 +92,10 @@ def _repair_folder(folder: Path) -> Repair:
     for path in found.paths:
         _check(path)
     mended = [_mend(path) for path in found.paths]
-    counts = {file.name: file.messages for file in known.files}
+    promised = {file.name: file for file in known.files}
     entry = BagEntry(custom={key: text for key, text in known.custom.items() if key != UNFINISHED})
     for one in mended:
-        one.expect(counts.get(one.file.name, 0))
+        one.expect(promised.get(one.file.name, FileEntry(one.file.name)))
         entry.files.append(one.file)
         for name, topic in one.topics.items():
             known_topic = entry.topics.setdefault(name, TopicEntry(name, topic.type, topic.qos, topic.type_hash))
@@ -135,10 +136,14 @@ class _Mended:
     changed: bool
     notes: list[str]
 
-    def expect(self, count: int) -> None:
-        """Messages that the metadata promise, where the file itself does not say."""
-        if not self.loss.exact and count >= self.file.messages:
-            self.loss.messages, self.loss.exact = count - self.file.messages, True
+    def expect(self, promised: FileEntry) -> None:
+        """Messages and log times that the metadata promise, where the file itself does not say."""
+        if not self.loss.exact and promised.messages >= self.file.messages:
+            self.loss.messages, self.loss.exact = promised.messages - self.file.messages, True
+            beside = promised.duration_ns
+            if self.file.messages:
+                beside = max(self.file.first_ns - promised.first_ns, 0) + max(promised.last_ns - self.file.last_ns, 0)
+            self.loss.seconds = max(self.loss.seconds, min(beside, promised.duration_ns) / 1e9)
 
 
 def _check(path: Path) -> None:

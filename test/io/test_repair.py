@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from badinputs import run
-from bagmaker import JOINTS, encoder_messages, make_bag, stamps, step_experiment, storage
+from bagmaker import JOINTS, START_NS, encoder_messages, make_bag, stamps, step_experiment, storage
 from rosbags.rosbag2 import Reader
 
 from bench.reliability import cuts
@@ -79,7 +80,9 @@ def test_a_file_that_is_cut_off_gets_its_index_and_the_loss_is_said(tmp_path: Pa
     done = repair(folder)
     assert done.messages == len(found)
     assert (done.exact, done.lost) == (True, 502 - len(found)), "metadata.yaml knew how many there were"
-    assert 0.0 < done.seconds < 0.1
+    whole = START_NS + 499_000_000
+    assert done.seconds == pytest.approx((whole - done.entry.files[0].last_ns) / 1e9), "metadata.yaml knew its end"
+    assert done.sentence.endswith(f"{done.lost} lost ({done.seconds:.3g} s)")
     assert any("is kept as bag_0.mcap.damaged" in note for note in done.notes)
     assert (folder / "bag_0.mcap.damaged").read_bytes() == content[: len(content) // 2]
     assert texts(folder) == found
@@ -101,11 +104,18 @@ def test_without_metadata_the_loss_is_told_from_the_sizes(tmp_path: Path) -> Non
     assert f"about {done.lost} lost" in done.sentence
 
 
+def test_a_time_that_nothing_tells_is_not_said(tmp_path: Path) -> None:
+    folder = make_bag(tmp_path / "bag", step_experiment(), compression="none")
+    done = replace(repair(folder), lost=12, seconds=0.0, exact=False, changed=True)
+    assert done.sentence.endswith("502 messages, about 12 lost")
+
+
 def test_a_file_of_nothing_is_set_aside(tmp_path: Path) -> None:
     folder = make_bag(tmp_path / "bag", step_experiment())
     storage(folder).write_bytes(b"")
     done = repair(folder)
     assert (done.messages, done.lost, done.exact) == (0, 502, True)
+    assert done.seconds == pytest.approx(0.499)
     assert texts(folder) == []
     assert (folder / "bag_0.mcap.damaged").exists()
 
