@@ -237,9 +237,22 @@ def test_a_directory_that_is_no_bag_is_answered_in_words(ros: Graph, tmp_path: P
     assert answer.message == f"{folder} holds no .mcap or .db3 file; expected a rosbag2 folder: check the path"
 
 
+def test_a_force_in_another_unit_is_converted_as_on_the_command_line(ros: Graph) -> None:
+    node = identifier(ros, force_unit="kN", position_scale=0.5)
+    robot = Robot(ros)
+    robot.match()
+    robot.push(0.0, 0.010425)
+    robot.send(0, 60)
+    until(lambda: node.buffer.force.size and node.buffer.position.size == 60, "the samples")
+    record = node.buffer.record()
+    assert record.force.tolist() == [pytest.approx(10.425)] and record.force_unit == "N"
+    np.testing.assert_array_equal(record.position, 0.5 * robot.position[:60])
+
+
 @pytest.mark.parametrize(
     ("parameters", "words"),
     [
+        ({"force_unit": "kN", "force_scale": 1000.0}, "both convert kN to N; expected one of them"),
         ({"hold": "cubic"}, "hold is 'cubic'; expected one of zero, linear"),
         ({"model": "x"}, "model is 'x'; expected one of auto, spring, no_spring"),
         ({"position_unit": "km"}, "position_unit is 'km'; expected one of m, rad, count"),

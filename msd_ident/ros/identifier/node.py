@@ -74,11 +74,12 @@ class Identifier(NodeOwner):
         self.settings = Settings(self.node, SETTINGS)
         s = self.settings
         self.watch = FaultLog(s["remember"])
+        self._read = options(s)
         self.buffer = LiveBuffer(
             s["buffer_samples"],
             hold=s["hold"],
-            units=Units(s["force_unit"], s["position_unit"]),
-            free=options(s).no_force,
+            units=Units(self._read.as_force[0], self._read.as_position[0]),
+            free=self._read.no_force,
             watch=self.watch,
         )
         self.watcher = StepWatcher(s["step_threshold"])
@@ -126,7 +127,8 @@ class Identifier(NodeOwner):
         depth = self.settings["queue_depth"]
 
         def made(what: Literal["force", "position"]) -> list[Input]:
-            signals = wanted(what, self.settings[what], self.settings[f"{what}_scale"])
+            _, factor = self._read.as_force if what == "force" else self._read.as_position
+            signals = wanted(what, self.settings[what], factor)
             return [Input(self.node, signal, sink, depth, poller) for signal in signals]
 
         return {"force": made("force"), "position": made("position")}
