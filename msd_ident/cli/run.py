@@ -37,6 +37,8 @@ def run(
     allowed = options.limits_of(limits)
     allowed.check(wanted)
     bag = out or Path(f"{profile.stem}_bag")
+    if bag.exists():
+        raise UsageError(f"{bag} exists; expected a new folder for the bag: give another --out")
     results.check_targets(False, bag)
     require_ros("msd run")
     from msd_ident.ros.experimenter.profile_player import CANCELLED, Experiment

@@ -253,6 +253,18 @@ def test_ctrl_c_during_a_run_has_its_own_exit_code(
     assert said == "msd: interrupted; the force is 0 and p_bag holds what was recorded until then\n"
 
 
+def test_a_run_never_replaces_a_bag(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("l.yaml").write_text("force: 10\ntravel: 0.03\nduration: 20\n")
+    Path("p.yaml").write_text(to_yaml(STEP))
+    Path("old").mkdir()
+    monkeypatch.setattr("sys.argv", ["msd", "run", "p.yaml", "--limits", "l.yaml", "--out", "old"])
+    assert main() == 2
+    assert capsys.readouterr().err == "msd: old exists; expected a new folder for the bag: give another --out\n"
+
+
 def test_the_action_plays_and_a_cancelled_goal_stops(ros: Graph, tmp_path: Path) -> None:
     rig(ros)
     ros.add(Experimenter([Parameter("bag_folder", value=str(tmp_path))], context=ros.context))
