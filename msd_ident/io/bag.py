@@ -71,10 +71,13 @@ def is_bag(path: str | os.PathLike[str]) -> bool:
     Raises:
         DataError: nothing is there, or a bag of ROS 1, or neither file nor folder.
     """
-    where = Path(path)
+    return _is_bag(Path(path), "a bag folder, an .mcap or a .csv file")
+
+
+def _is_bag(where: Path, expected: str) -> bool:
     if not _exists(where):
-        raise DataError(f"{where} does not exist; expected a bag folder, an .mcap or a .csv file: check the path")
-    check_plain(where, "a bag folder, an .mcap or a .csv file")
+        raise DataError(f"{where} does not exist; expected {expected}: check the path")
+    check_plain(where, expected)
     if where.is_dir() or plain_name(where).endswith(STORAGE) or where.name == "metadata.yaml":
         return True
     begin = _begin(where)
@@ -92,7 +95,7 @@ def open_bag(path: str | os.PathLike[str]) -> Bag:
         DataError: nothing there, not a bag, or no topic in an encoding that can be read.
     """
     where = Path(path)
-    if not is_bag(where):
+    if not _is_bag(where, "a bag folder, an .mcap or a .db3 file"):
         raise DataError(f"{where} is not a bag; expected a rosbag2 folder, an .mcap or a .db3 file")
     if where.is_dir():
         return _open_folder(where)

@@ -406,6 +406,13 @@ def test_paths_that_are_no_bag(tmp_path: Path, name: str, content: bytes | None,
         assert word in str(refused.value)
 
 
+def test_who_reads_bags_alone_asks_for_no_table(tmp_path: Path) -> None:
+    with pytest.raises(
+        DataError, match=r"nope does not exist; expected a bag folder, an \.mcap or a \.db3 file: check"
+    ):
+        open_bag(tmp_path / "nope")
+
+
 def test_the_command_that_converts_a_bag_of_ros_1_works(tmp_path: Path) -> None:
     path = tmp_path / "old rig.bag"
     store = get_typestore(Stores.ROS1_NOETIC)
