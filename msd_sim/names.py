@@ -8,6 +8,7 @@ ENCODER = "encoder"
 ENCODER_BATCH = "encoder_batch"
 RESET = "rig/reset"  # the node names it ~/reset
 CLOCK = "/clock"
+DIAGNOSTICS = "/diagnostics"
 
 #: Name of the cart's joint in JointState messages, unless the parameter ``joint_name`` says otherwise.
 JOINT = "cart"

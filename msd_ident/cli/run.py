@@ -57,6 +57,7 @@ def run(
     line = {
         "schema": "msd.run/1", "path": str(done.bag), "stopped": done.stopped, "commands": done.commands,
         "worst_delay_s": done.worst, "mean_delay_s": done.mean,
+        "late_at_rig": done.late.count, "worst_late_at_rig_s": done.late.worst,
     }  # fmt: skip
     results.write([line], output)
     if output.tables:

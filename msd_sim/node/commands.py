@@ -27,6 +27,8 @@ NANO = 1_000_000_000
 LOOK = 0.05
 #: Least time between two log lines of one kind [s].
 QUIET = 5.0
+#: Forces that are taken together at most.
+HANDFUL = 100
 #: How long after the last command a publisher that lost its liveliness may be missed [s]: another may push on.
 GRACE = 0.3
 
@@ -65,8 +67,25 @@ class Commands:
             WrenchStamped, names.FORCE, self._on_latched, _quality(latched=True), event_callbacks=unmatched
         )
         eager = SubscriptionEventCallbacks(incompatible_qos=self._on_eager)
-        node.create_subscription(WrenchStamped, names.FORCE, self._on_force, _quality(), event_callbacks=eager)
+        self._listen(_quality(), self._on_force, event_callbacks=eager)
         self._guard: Subscription | None = None
+
+    def _listen(self, quality: QoSProfile, take: Callable[[WrenchStamped], None], **options: Any) -> Subscription:
+        """Hand over each force with those that wait behind it.
+
+        An executor takes one for each of its rounds: a rig whose rounds are long would fall behind a fast sender.
+        """
+
+        def take_all(message: WrenchStamped) -> None:
+            take(message)
+            with made.handle:
+                for _ in range(HANDFUL):
+                    if (taken := made.handle.take_message(made.msg_type, made.raw)) is None:
+                        return
+                    take(taken[0])
+
+        made = self._node.create_subscription(WrenchStamped, names.FORCE, take_all, quality, **options)
+        return made
 
     def _on_force(self, message: WrenchStamped) -> None:
         if message == self._announced:
@@ -85,7 +104,7 @@ class Commands:
             self._eager = True
             quality = _quality()
             quality.reliability = ReliabilityPolicy.BEST_EFFORT
-            self._node.create_subscription(WrenchStamped, names.FORCE, self._on_force, quality)
+            self._listen(quality, self._on_force)
 
     def _on_liveliness(self, event: Any) -> None:
         self._dropped = event.alive_count == 0 and (self._dropped or self._alive > 0)
@@ -119,9 +138,7 @@ class Commands:
             quality = _quality()
             quality.liveliness = LivelinessPolicy.MANUAL_BY_TOPIC
             quality.liveliness_lease_duration = Duration(seconds=names.LEASE)
-            self._guard = self._node.create_subscription(
-                WrenchStamped, names.FORCE, lambda _: None, quality, event_callbacks=watched
-            )
+            self._guard = self._listen(quality, lambda _: None, event_callbacks=watched)
         elif not promised and self._guard is not None:
             self._node.destroy_subscription(self._guard)
             self._guard, self._alive = None, 0

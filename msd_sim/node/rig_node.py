@@ -32,6 +32,7 @@ from msd_sim.encoder import EncoderReader
 from msd_sim.errors import RigError
 from msd_sim.node import Stop, parameters
 from msd_sim.node.commands import Commands
+from msd_sim.node.lateness import Lateness
 from msd_sim.rig import Rig
 
 NANO = 1_000_000_000
@@ -60,9 +61,14 @@ class RigNode(Node):
         self._rig = Rig(self._config.truth)
         self._rig.sample([0.0])
         self._reader = EncoderReader(self._config.encoder, self._config.seed)
-        self.late = 0
+        self._late = Lateness(self)
         self._connect()
         self._start()
+
+    @property
+    def late(self) -> int:
+        """Forces that came late so far."""
+        return self._late.count
 
     # -- parameters
 
@@ -127,14 +133,7 @@ class RigNode(Node):
             self.get_logger().warning(f"force refused: {error}", throttle_duration_sec=QUIET)
             return
         if not in_time and stamp >= self._first_ns:
-            self.late += 1
-            behind = self._rig.time - acts / NANO
-            many = f"{self.late} forces came late and act" if self.late > 1 else "1 force came late and acts"
-            self.get_logger().warning(
-                f"{many} from now on (the last one {behind:.3f} s); expected stamps of the rig's clock, at most the "
-                "parameter latency old: does the sender use the same clock?",
-                throttle_duration_sec=QUIET,
-            )
+            self._late.add(self._rig.time - acts / NANO)
 
     def _release(self) -> int:
         """Force 0 from now on; since when [ns]."""
@@ -159,6 +158,7 @@ class RigNode(Node):
             return
         self._make_time()
         self._commands.look()
+        self._late.tell()
         if self._first_ns == 0:  # with use_sim_time, until the first message on /clock
             self._first_ns = self._zero_ns = self._now_ns()
         horizon = self._now_ns() - int(self._values["latency"] * self._factor * NANO)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import signal
 import subprocess
 import sys
@@ -14,6 +15,7 @@ import pytest
 
 rclpy = pytest.importorskip("rclpy", reason="the ROS wheels are not installed")
 
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus  # noqa: E402
 from geometry_msgs.msg import WrenchStamped  # noqa: E402
 from rcl_interfaces.srv import SetParameters  # noqa: E402
 from rclpy.executors import SingleThreadedExecutor  # noqa: E402
@@ -27,7 +29,9 @@ from msd_interfaces.msg import EncoderBatch  # noqa: E402
 from msd_sim import names  # noqa: E402
 from msd_sim.api import simulate  # noqa: E402
 from msd_sim.errors import RigError  # noqa: E402
+from msd_sim.node.lateness import LATE  # noqa: E402
 from msd_sim.node.rig_node import RigNode  # noqa: E402
+from msd_sim.rig import Rig  # noqa: E402
 
 NANO = 1_000_000_000
 #: Of rigs whose every sample is wanted by an observer in the same process [Hz].
@@ -126,6 +130,44 @@ def test_forces_act_from_their_stamps_on_and_samples_fall_on_exact_ticks(lab):
     alone = simulate(ECP | {"time": time_s, "force_time": force_time, "force": [10.425, -4.0, 0.0]})
     assert np.abs(alone.position - lab.positions).max() < 1e-12
     assert np.ptp(lab.positions) > 0.01
+
+
+def test_a_rig_whose_rounds_are_long_takes_all_forces_that_wait(lab, monkeypatch):
+    """One force for each round would fall behind a sender of more forces than rounds."""
+    wake, push, taken = RigNode._wake, Rig.push, []
+
+    def slowly(self) -> None:
+        wake(self)
+        time.sleep(0.02)
+
+    monkeypatch.setattr(RigNode, "_wake", slowly)
+    monkeypatch.setattr(Rig, "push", lambda self, *given: taken.append(given) or push(self, *given))
+    rig = lab.rig(**ECP | EXACT | {"rate": RATE})
+    lab.matched()
+    begin = rig.get_clock().now().nanoseconds + 1_500_000_000
+    for i in range(400):
+        lab.force(1.0, begin + i * NANO // 1000)
+    lab.until(lambda: len(taken) == 400, "all forces")
+    assert rig.late == 0
+
+
+def test_late_forces_are_told_on_diagnostics(lab):
+    rig = lab.rig(**ECP | EXACT | {"rate": RATE})
+    told = []
+    lab.observer.create_subscription(DiagnosticArray, names.DIAGNOSTICS, lambda array: told.extend(array.status), 10)
+    lab.matched()
+    lab.until(lambda: told, "the first status")
+    assert told[-1].name.endswith("rig: forces") and told[-1].message == "in time"
+    now = rig.get_clock().now().nanoseconds
+    lab.force(1.0, now - 300_000_000)
+    lab.force(2.0, now - 200_000_000)
+
+    def count() -> int:
+        return sum(int(pair.value) for one in told for pair in one.values if pair.key == LATE)
+
+    lab.until(lambda: count() == 2, "two late forces")
+    status = next(one for one in told if one.level == DiagnosticStatus.WARN)
+    assert re.match(r"(1 force|2 forces) came late, by up to 0\.[2-9]", status.message)
 
 
 def test_a_rig_that_comes_late_learns_the_present_force(lab):

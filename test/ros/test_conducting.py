@@ -27,11 +27,13 @@ from msd_ident.design.profile_file import to_yaml  # noqa: E402
 from msd_ident.errors import SetupError, UsageError  # noqa: E402
 from msd_ident.io import SourceOptions, read  # noqa: E402
 from msd_ident.ros.common import names  # noqa: E402
-from msd_ident.ros.experimenter import profile_player, session  # noqa: E402
+from msd_ident.ros.common.conversions import nanoseconds, time_message  # noqa: E402
+from msd_ident.ros.experimenter import late_forces, profile_player, session  # noqa: E402
 from msd_ident.ros.experimenter.node import Experimenter  # noqa: E402
 from msd_ident.ros.experimenter.profile_player import Experiment, Played, ProfilePlayer  # noqa: E402
 from msd_ident.ros.recorder.recording import Recording  # noqa: E402
 from msd_interfaces.action import RunExperiment  # noqa: E402
+from msd_sim.node import lateness  # noqa: E402
 
 LIMITS = Limits((-10.0, 10.0), (-0.03, 0.03), 20.0)
 STEP = Profile((Segment("hold", 0.2), Segment("step", 0.6, force=5.0), Segment("release", 0.3)), "step")
@@ -235,6 +237,24 @@ def test_a_run_that_is_stopped_leaves_a_bag_that_can_be_identified(ros: Graph, t
     pushed = record.force_time[record.force != 0.0]
     assert record.time[-1] - pushed[-1] > 0.0 and not record.force[-10:].any()
     assert any("of them replaced by a 0 that was sent later" in note for note in record.notes)
+
+
+def test_forces_that_came_late_at_the_rig_are_told(ros: Graph, tmp_path: Path) -> None:
+    """The player sent them in time: the rig alone knows."""
+    node = rig(ros)
+    take = node._commands._take  # type: ignore[attr-defined]
+
+    def late(message: WrenchStamped) -> None:
+        told = WrenchStamped(wrench=message.wrench)
+        told.header.stamp = time_message(nanoseconds(message.header.stamp) - 300_000_000)
+        take(told)
+
+    node._commands._take = late  # type: ignore[attr-defined]
+    done = play(ros, STEP, tmp_path / "bag")
+    assert done.stopped == "" and done.late.count >= 1 and done.worst < 0.2 < done.late.worst
+    assert "came late at the rig, by up to 0." in done.sentence and "--lead" in done.sentence
+    assert Played(Path("bag"), "", 4, 0.0, 0.0).sentence.endswith("; bag")
+    assert (late_forces.LATE, late_forces.LATE_WORST) == (lateness.LATE, lateness.LATE_WORST)
 
 
 def test_ctrl_c_during_a_run_has_its_own_exit_code(

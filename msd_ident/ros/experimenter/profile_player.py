@@ -23,6 +23,7 @@ from msd_ident.io.reader import FORCE_UNIT
 from msd_ident.ros.common import names
 from msd_ident.ros.common.conversions import nanoseconds, time_message
 from msd_ident.ros.common.message_batching import subscribe, waiting
+from msd_ident.ros.experimenter.late_forces import Late, LateForces
 from msd_ident.ros.experimenter.safety_monitor import SafetyMonitor
 from msd_ident.ros.recorder.recording import Recording
 from msd_interfaces.msg import EncoderBatch
@@ -57,6 +58,7 @@ class Played:
         stopped: why it ended early; empty when it did not.
         commands: forces sent.
         worst, mean: delay of a command [s].
+        late: forces that the rig had after their instants, as far as it tells.
     """
 
     bag: Path
@@ -64,6 +66,7 @@ class Played:
     commands: int
     worst: float
     mean: float
+    late: Late = Late()
 
     @property
     def sentence(self) -> str:
@@ -72,7 +75,7 @@ class Played:
         delays = (
             f"{self.commands} commands, {1e3 * self.mean:.2f} ms late on average and {1e3 * self.worst:.2f} at worst"
         )
-        return f"{what}; {delays}; {self.bag}"
+        return "; ".join(filter(None, (what, delays, str(self.bag), self.late.sentence)))
 
 
 @dataclass(frozen=True)
@@ -125,6 +128,7 @@ class ProfilePlayer:
         """
         experiment.limits.check(experiment.profile)
         self._listening = [self._listen(topic, kind) for topic, kind in _KINDS]
+        self._late = LateForces(self._node)
         try:
             self._wait_for_rig()
             if experiment.reset:
@@ -135,6 +139,7 @@ class ProfilePlayer:
             for subscription, _ in self._listening:
                 self._node.destroy_subscription(subscription)
             self._listening = []
+            self._late.close()
 
     def _conduct(self, experiment: Experiment, stop: threading.Event, advance: Advance) -> Played:
         bag = experiment.bag
@@ -143,6 +148,7 @@ class ProfilePlayer:
         with self._lock:
             self._halted, self._guard, self._recording = False, guard, recording
         delays: list[float] = []
+        self._late.begin()
         try:
             self._send(experiment.profile, guard, stop, advance, delays)
         finally:
@@ -156,7 +162,7 @@ class ProfilePlayer:
         if summary.error:
             raise SetupError(f"{bag}: {summary.error}; expected a disk that takes the bag")
         worst, mean = (max(delays), sum(delays) / len(delays)) if delays else (0.0, 0.0)
-        return Played(bag, guard.reason, len(delays), worst, mean)
+        return Played(bag, guard.reason, len(delays), worst, mean, self._late.found)
 
     def close(self) -> None:
         """Leave the rig without force."""

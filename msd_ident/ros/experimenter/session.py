@@ -63,4 +63,4 @@ class GraphRig:
             if done.stopped:
                 raise DataError(f"{done.stopped}, too soon to learn anything from it: see {bag}") from error
             raise
-        return Ran(record, str(bag), done.stopped, done.worst)
+        return Ran(record, str(bag), done.stopped, max(done.worst, done.late.worst))
