@@ -40,6 +40,8 @@ SUSPICIOUS = 2.0
 STRUCTURE = 1e-3
 #: Parts of an oscillation that a residual is averaged over, and what is more than noise leaves of such means.
 _PARTS, _BEYOND = 20, 1.5
+#: How a doubt about the laws of the model ends.
+_LACKS = "the model lacks something; run msd diagnose to name it."
 #: More than any cart that a rig's motor pushes [kg].
 HEAVIEST = 500.0
 
@@ -95,9 +97,9 @@ def identify(
     usable = form is not None and len(records) == 1 and math.isfinite(original.see)
     raised = _raised(records, original) if usable else None
     floor = joint.noise_floor
-    warnings = (
-        prepared.warnings + decision.said + _runaway(original) + _doubts(joint, records, only_noise=heard is not None)
-    )
+    doubts = _doubts(joint, records, only_noise=heard is not None)
+    blamed = _blamed(prepared, joint, decision.sprung, options) if any(_LACKS in one for one in doubts) else ""
+    warnings = prepared.warnings + decision.said + _runaway(original) + ((blamed,) if blamed else doubts)
     progress("done", 1.0)
     return Identification(
         records=records,
@@ -260,18 +262,24 @@ def _doubts(joint: FitResult, records: tuple[Record, ...], *, only_noise: bool) 
             "--force-scale 0.001; if the time is in milliseconds, --time-scale 0.001."
         )
     if math.isfinite(floor) and floor > 0.0 and joint.see > SUSPICIOUS * floor:
-        said.append(
-            f"The error of the refined model is {joint.see / floor:.3g} times the noise floor: the model lacks "
-            "something; run msd diagnose to name it."
-        )
+        said.append(f"The error of the refined model is {joint.see / floor:.3g} times the noise floor: {_LACKS}")
         said += [*impulses.sentences(records, joint, floor), *filter(None, [opposite_signs.warning(records)])]
     elif not only_noise and (missed := _missed(joint, records)) > STRUCTURE:
         said.append(
             f"The refined model deviates from the readings by {100.0 * missed:.2g} % of the motion, for longer than "
-            "noise "
-            "does: the model lacks something; run msd diagnose to name it."
+            f"noise does: {_LACKS}"
         )
     return tuple(said)
+
+
+def _blamed(prepared: Prepared, joint: FitResult, sprung: bool, options: Options) -> str:
+    """What to say where the model lacks nothing but the freedom to differ from a known value; empty elsewhere."""
+    if not options.known or _forceless(prepared.records):
+        return ""
+    free = joint_fit(prepared.records, prepared.plant, sprung, {} if sprung else {"stiffness": 0.0}, options.loss)
+    if not free.see <= SUSPICIOUS * free.noise_floor:
+        return ""
+    return known_parameters.contradicted(options.known, free.quantities, joint.see / free.see)
 
 
 def _missed(joint: FitResult, records: tuple[Record, ...]) -> float:

@@ -16,6 +16,7 @@ from msd_ident.estimate.parameter_units import exponents, unit_in
 from msd_ident.model import Model
 from msd_ident.model.effects import Parameter
 from msd_ident.model.parameters import PARAMETERS
+from msd_ident.quantity import Z95, Quantity
 
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 _FORM = re.compile(rf"\s*(\w+)\s*=\s*({_NUMBER})\s*(?:(?:±|\+/?-)\s*({_NUMBER}))?\s*(\S.*)?$")
@@ -137,6 +138,32 @@ def check(known: Sequence[Known], model: Model, record: Record) -> None:
 def values(known: Sequence[Known]) -> dict[str, float]:
     """Name → value."""
     return {one.name: one.value for one in known}
+
+
+def contradicted(known: Sequence[Known], fitted: Mapping[str, Quantity], factor: float) -> str:
+    """A sentence on known values that the data contradicts; empty where there is none.
+
+    Args:
+        known: the parameters.
+        fitted: values of a model that fits them too, and leaves only noise.
+        factor: error with the known values over that of the fitted ones.
+    """
+    said = []
+    for one in known:
+        found = fitted.get(one.name)
+        if found is None or not found.known:
+            continue
+        band = Quantity(found.value, math.hypot(found.std, one.std), found.unit)
+        if not band.low <= one.value <= band.high:
+            digits = max(1 - math.floor(math.log10(Z95 * found.std)), 0) if found.std > 0.0 else 6
+            interval = f"{found.value:.{digits}f} ± {Z95 * found.std:.2g}"
+            said.append(f"{one.name} is given as {one.value:g}, and is {interval} {found.unit} by the data")
+    if not said:
+        return ""
+    return (
+        f"With the known values the error is {factor:.3g} times that of the same model with all values fitted, which "
+        f"leaves only noise: {'; '.join(said)}. Check the value, or leave it away."
+    )
 
 
 def to_json_list(known: Sequence[Known], units: Mapping[str, str]) -> list[dict[str, object]]:

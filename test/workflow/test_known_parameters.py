@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,6 +16,7 @@ from msd_ident.errors import UsageError
 from msd_ident.io import write_csv
 from msd_ident.model import Plant, simulate
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
+from msd_ident.model.effects.quadratic_drag import QuadraticDrag
 from msd_ident.workflow import pipeline
 from msd_ident.workflow.identification import Identification
 from msd_ident.workflow.known_parameters import Known, check, parse, parse_all
@@ -56,6 +58,27 @@ def test_an_uncertain_value_makes_the_others_uncertain() -> None:
         assert unsure[name].std == pytest.approx(np.hypot(sure[name].std, 0.05 * sure[name].value), rel=0.05)
     # Both forces and the weight grow with the mass: µ does not.
     assert unsure["friction_coefficient"].std == pytest.approx(sure["friction_coefficient"].std, rel=0.2)
+
+
+def pushed(drag: float = 0.0) -> Record:
+    """A cart under steps of the force, without dry friction; with a drag that grows with the speed's square."""
+    time = np.arange(2000) * 2e-3
+    force = np.where(time % 2.0 < 1.0, 2.0, 0.0)
+    still = from_samples(time, force, np.zeros(2000))
+    plant = Plant(mass=0.8, damping=0.5, stiffness=200.0)
+    moved = simulate(plant + QuadraticDrag(drag) if drag else plant, still).position
+    return replace(still, position=moved + np.random.default_rng(5).normal(0.0, 1e-6, 2000))
+
+
+def test_a_known_value_that_the_data_contradicts_is_named() -> None:
+    def warned(record: Record, *known: str) -> str:
+        return " ".join(pipeline.identify([record], pipeline.Options(known=parse_all(known))).warnings)
+
+    said = warned(pushed(), "mass=0.75", "stiffness=200")
+    assert re.search(r"mass is given as 0.75, and is 0.(79999|80000)\d* ± \S+ kg by the data. Check the value", said)
+    assert "stiffness is given" not in said and "the model lacks something" not in said
+    assert "Check the value" not in warned(pushed(), "mass=0.8", "stiffness=200")
+    assert "the model lacks something" in warned(pushed(20.0), "mass=0.75"), "its laws are wrong with any mass"
 
 
 def test_known_values_stand_in_the_result() -> None:
