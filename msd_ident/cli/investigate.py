@@ -18,7 +18,7 @@ from msd_ident.writing import write_text
 
 if TYPE_CHECKING:
     from msd_ident.design import Profile
-    from msd_ident.workflow.investigation import Investigation, Loop, Rig, Step
+    from msd_ident.workflow.investigation import Investigation, Loop, Rig, Step, Trial
 
 EffectOption = Annotated[
     list[str] | None,
@@ -111,7 +111,7 @@ def _write_early(loop: Loop, out: Path, why: str) -> None:
 
     if loop.steps:
         sentence = f"{why}: {loop.steps[-1].diagnosis.summary}"
-        _write(Investigation(tuple(loop.steps), False, sentence, loop.measurements), out)
+        _write(Investigation(tuple(loop.steps), False, sentence, loop.measurements, tuple(loop.trials)), out)
 
 
 def _kept(done: int, out: Path) -> str:
@@ -157,15 +157,20 @@ def asking() -> Callable[[str, Profile], bool]:
     return ask
 
 
-def _telling(out: Path, tables: bool) -> Callable[[Step], None]:
+def _telling(out: Path, tables: bool) -> Callable[[Step | Trial], None]:
     """Tell each step on the terminal; its profile goes into the folder."""
     from msd_ident.design import write_profile
+    from msd_ident.workflow.investigation import Trial
 
     count = 0
 
-    def tell(step: Step) -> None:
+    def tell(step: Step | Trial) -> None:
         """Keep a step's profile and say what it showed."""
         nonlocal count
+        if isinstance(step, Trial):
+            if tables:
+                print(f"trial, {step.purpose}: {step.profile.duration:.1f} s -> {step.ran.path}")
+            return
         count += 1
         write_profile(step.profile, out / f"profile_{count}.yaml", (step.purpose,))
         if tables:

@@ -71,6 +71,37 @@ class Budget:
 
 
 @dataclass(frozen=True)
+class Trial:
+    """A gentle step that sizes the first experiment; it is not diagnosed.
+
+    Attributes:
+        profile: what was played.
+        ran: what came of it.
+        went: how far the rig went [m or rad].
+    """
+
+    profile: Profile
+    ran: Ran
+    went: float
+
+    @property
+    def purpose(self) -> str:
+        """Why it was run."""
+        return _GENTLE
+
+    def to_json_dict(self) -> dict[str, Any]:
+        """A journal's entry."""
+        return {
+            "purpose": self.purpose,
+            "profile": self.profile.name,
+            "duration_s": self.profile.duration,
+            "peak_force": max(self.profile.extremes, key=abs),
+            "bag": self.ran.path,
+            "travel_m": self.went,
+        }
+
+
+@dataclass(frozen=True)
 class Step:
     """One experiment of an investigation.
 
@@ -116,12 +147,14 @@ class Investigation:
         stands: whether one explanation remains.
         sentence: how it ended.
         measurements: explanations that no profile distinguishes, and what to measure for them.
+        trials: the gentle steps before the first experiment, in order.
     """
 
     steps: tuple[Step, ...]
     stands: bool
     sentence: str
     measurements: tuple[str, ...] = ()
+    trials: tuple[Trial, ...] = ()
 
     @property
     def diagnosis(self) -> Diagnosis:
@@ -135,6 +168,7 @@ class Investigation:
             "stands": self.stands,
             "sentence": self.sentence,
             "measurements": list(self.measurements),
+            "trials": [trial.to_json_dict() for trial in self.trials],
             "steps": [step.to_json_dict() for step in self.steps],
             "diagnosis": self.diagnosis.to_json_dict(),
         }
@@ -142,7 +176,7 @@ class Investigation:
 
 #: Asked before each run with its purpose and profile; False ends the investigation.
 Ask = Callable[[str, Profile], bool]
-Tell = Callable[[Step], None]
+Tell = Callable[[Step | Trial], None]
 
 
 def always(purpose: str, profile: Profile) -> bool:
@@ -150,7 +184,7 @@ def always(purpose: str, profile: Profile) -> bool:
     return True
 
 
-def nobody(step: Step) -> None:
+def nobody(step: Step | Trial) -> None:
     """Callback ``tell`` that does nothing."""
 
 
@@ -165,10 +199,11 @@ class Loop:
         options: how records are diagnosed.
         ask: called before each run with its purpose and profile, also before the gentle step that sizes a first
             experiment; it is run if the answer is True.
-        tell: called after each experiment.
+        tell: called after each experiment, and after each gentle step.
         records: measured so far.
         steps: experiments so far.
         measurements: explanations that no profile distinguishes, and what to measure for them.
+        trials: gentle steps before the first experiment.
         checked: whether an experiment was proposed that would probably show causes which the data hides.
     """
 
@@ -181,6 +216,7 @@ class Loop:
     records: list[Record] = field(default_factory=list)
     steps: list[Step] = field(default_factory=list)
     measurements: tuple[str, ...] = ()
+    trials: list[Trial] = field(default_factory=list)
     checked: bool = False
 
     def run(self, first: Profile | None = None) -> Investigation:
@@ -263,7 +299,10 @@ class Loop:
                 f"the gentle step of {force:g} {gentle.unit} was stopped: {ran.stopped}; expected it to be "
                 "played to its end: correct the rig or its limits, or give a first experiment with --first"
             )
-        return float(np.max(np.abs(ran.record.position - ran.record.position[0])))
+        went = float(np.max(np.abs(ran.record.position - ran.record.position[0])))
+        self.trials.append(Trial(gentle, ran, went))
+        self.tell(self.trials[-1])
+        return went
 
     def _play(self, purpose: str, profile: Profile, proposal: Proposal | None) -> None:
         ran = self.rig.play(profile, self.limits)
@@ -297,7 +336,8 @@ class Loop:
         return hidden, f"to see what could hide: {', '.join(hidden.names[1:])}"
 
     def _ended(self, stands: bool, why: str) -> Investigation:
-        return Investigation(tuple(self.steps), stands, f"{why}: {self.steps[-1].diagnosis.summary}", self.measurements)
+        sentence = f"{why}: {self.steps[-1].diagnosis.summary}"
+        return Investigation(tuple(self.steps), stands, sentence, self.measurements, tuple(self.trials))
 
 
 def stepped(force: float, hold: float) -> Profile:

@@ -88,6 +88,25 @@ def test_a_rig_that_sticks_is_pushed_harder_step_by_step(asking_about: Callable[
     assert asked[:2] == ["a gentle step that sizes the first experiment"] * 2
 
 
+def test_the_gentle_step_stands_in_the_journal_and_is_told(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    asking_about: Callable[..., None],
+) -> None:
+    asking_about("coulomb_friction")
+    monkeypatch.chdir(tmp_path)
+    Path("l.yaml").write_text("force: 10\ntravel: 0.03\nduration: 20\n")
+    words = ("--limits", "l.yaml", "--rig", "ecp", "--runs", 0, "--yes", "--out", "story")
+    assert run("investigate", *words) == 0
+    first, second = capsys.readouterr().out.splitlines()[:2]
+    assert first == "trial, a gentle step that sizes the first experiment: 6.3 s -> story/run_1"
+    assert second.startswith("1. a first look: ") and second.endswith("-> story/run_2")
+    (trial,) = json.loads(Path("story/journal.json").read_text())["trials"]
+    assert (trial["bag"], trial["peak_force"], trial["duration_s"]) == ("story/run_1", 0.5, 6.3)
+    assert trial["purpose"].startswith("a gentle step") and 0.0 < trial["travel_m"] < 0.002
+
+
 def test_nothing_runs_unasked_or_beyond_the_limits() -> None:
     rig = Rig()
     with pytest.raises(UsageError, match="the limits allow -10 to 10"):
