@@ -390,6 +390,16 @@ def test_swapped_columns_are_asked_about() -> None:
     assert "noise" not in finding.sentence
 
 
+def test_the_steps_of_a_swapped_force_are_no_jumps_of_the_zero() -> None:
+    """Up to three of them were taken back, each with a warning, and the rest was told as the whole."""
+    time = np.arange(1600) * 5e-3
+    force = np.select([time < 1.0, time < 2.0, time < 3.0, time < 4.0], [10.425, 0.0, -10.425, 0.0], 3.1275)
+    motion = 0.015 * np.sin(3.0 * time) * np.exp(-0.2 * time)
+    (finding,) = check(from_samples(time, motion, force))
+    assert (finding.severity, finding.code) == ("error", "no_motion")
+    assert "the position jumps within 20.9 m" in finding.sentence and "are the two swapped?" in finding.sentence
+
+
 def test_an_encoder_that_flickers_under_a_smooth_force_is_not_called_swapped() -> None:
     record = experiment("sweep", "ecp")
     force = record.force_at(record.time)

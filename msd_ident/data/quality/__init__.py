@@ -13,10 +13,10 @@ import numpy as np
 from msd_ident.data.motion import observe
 from msd_ident.data.noise import encoder_step, noise_floor
 from msd_ident.data.quality.begin import begins_pushed, rest_before, rests_under_force, since_before
-from msd_ident.data.quality.cleaning import clean, removed
+from msd_ident.data.quality.cleaning import as_it_is, clean, removed
 from msd_ident.data.quality.clocks import clocks, force_unknown
 from msd_ident.data.quality.encoder import frozen_encoder, rate, resolution
-from msd_ident.data.quality.excitation import excitation
+from msd_ident.data.quality.excitation import excitation, swapped
 from msd_ident.data.quality.feedback import feedback, steered
 from msd_ident.data.quality.finding import Check, Finding
 from msd_ident.data.quality.gaps import continuous, left_out
@@ -92,9 +92,11 @@ def examine(record: Record) -> Examined:
     renewed = without_repeats(part.record)
     cleaned = clean(renewed.record)
     motion, turns = observe(cleaned.record), tuple(wrapped(record))
+    checks: tuple[Check, ...] = tuple(one for one in CHECKS if one is not units or not turns)
+    if swapped(cleaned.record, motion):  # the steps of a force are no jumps of an encoder's zero
+        cleaned, checks = as_it_is(renewed.record), (excitation,)
     findings = [*sampling(record), *left_out(part), *turns]
     findings += [*repeated(part.record, renewed), *removed(renewed.record, cleaned)]
-    checks = (one for one in CHECKS if one is not units or not turns)
     findings += [finding for one in checks for finding in one(cleaned.record, motion)]
     order = ("error", "warning", "info")
     findings.sort(key=lambda finding: order.index(finding.severity))

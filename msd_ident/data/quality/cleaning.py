@@ -77,6 +77,11 @@ def clean(record: Record) -> Cleaned:
     return Cleaned(kept, wild, height, jumps)
 
 
+def as_it_is(record: Record) -> Cleaned:
+    """A record from which nothing is left out."""
+    return Cleaned(record, np.zeros(0, dtype=np.intp), 0.0, ())
+
+
 def removed(record: Record, cleaned: Cleaned) -> Iterator[Finding]:
     """Wild readings that were left out, and jumps of the zero that were taken back."""
     unit, wild = record.position_unit, cleaned.wild

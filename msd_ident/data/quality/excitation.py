@@ -45,11 +45,12 @@ def excitation(record: Record, motion: Motion) -> Iterator[Finding]:
             f"the force never changes and the position only by {motion.span:.3g} {unit}, which is noise: "
             "apply a force step or release the cart from a displacement",
         )
-    elif motion.still and _swapped(record, motion):
+    elif swapped(record, motion):
         yield error(
             "no_motion",
-            f"the position jumps within {motion.span:.3g} {unit} and stays where it is in between, as a force in steps "
-            f"does, and the force runs smoothly over {motion.force_span:.3g} {record.force_unit}, as a position does: "
+            f"the position jumps within {np.ptp(record.position):.3g} {unit} and stays where it is in between, as a "
+            f"force in steps does, and the force runs smoothly over {motion.force_span:.3g} {record.force_unit}, as a "
+            "position does: "
             "are the two swapped? Name them with --force and --position; if not, push harder, or check the encoder",
         )
     elif motion.still:
@@ -72,9 +73,14 @@ def excitation(record: Record, motion: Motion) -> Iterator[Finding]:
         )
 
 
-def _swapped(record: Record, motion: Motion) -> bool:
-    """Whether the position of a cart that seems to stand looks like a force in steps, and the force like a motion."""
-    if not record.shared_clock or motion.span <= motion.force_span:
+def swapped(record: Record, motion: Motion) -> bool:
+    """Whether the position of a cart that seems to stand looks like a force in steps, and the force like a motion.
+
+    Args:
+        record: force and position.
+        motion: what moves in it, apart from jumps of the position.
+    """
+    if not motion.still or not record.shared_clock or motion.span <= motion.force_span:
         return False
     jumps, changes = np.diff(record.position), np.diff(record.force)
     steady = np.count_nonzero(jumps) <= _JUMPS * jumps.size and np.unique(record.position).size >= _LEVELS
