@@ -64,7 +64,7 @@ def read_table(path: str | os.PathLike[str], options: SourceOptions) -> Record:
     x_unit, x_factor, x_note = units.of_column(
         units.POSITION, table.header[chosen.position], options.position_unit, options.position_scale
     )
-    t_x, x = _samples(time, position)
+    t_x, x = _samples(time, position, f"position samples: column {table.header[chosen.position]}", "--position")
     x = x * x_factor
     notes = [*table.notes, *remarks, *filter(None, [x_note])]
     if chosen.force is None:
@@ -73,7 +73,8 @@ def read_table(path: str | os.PathLike[str], options: SourceOptions) -> Record:
         heading = table.header[chosen.force]
         f_unit, f_factor, f_note = units.of_column(units.FORCE, heading, options.force_unit, options.force_scale)
         values, sign = signed(read[chosen.force][there], heading)
-        t_f, f = _samples(time, values)
+        hint = "--force, or --force none for a free decay"
+        t_f, f = _samples(time, values, f"force samples: column {heading}", hint)
         f = f * f_factor
         gap = _without_force(heading, position, values)
         notes += [*filter(None, [f_note, sign, gap]), *constant_force.notes(f"column {heading}", f, f_unit, x)]
@@ -291,7 +292,20 @@ def _without_force(heading: str, position: FloatArray, force: FloatArray) -> str
     )
 
 
-def _samples(time: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """The lines that have a value."""
+def _samples(time: FloatArray, values: FloatArray, what: str, other: str) -> tuple[FloatArray, FloatArray]:
+    """The lines that have a value.
+
+    Args:
+        time, values: (n,) of all lines.
+        what: what they are, with their column, for the message.
+        other: options that choose something else.
+
+    Raises:
+        DataError: there is none.
+    """
     there = ~np.isnan(values)
+    if not there.any():
+        raise DataError(
+            f"no {what} has no number on any line; expected one on most: choose another column with {other}"
+        )
     return (time, values) if there.all() else (time[there], values[there])

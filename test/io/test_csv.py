@@ -465,8 +465,11 @@ def changed(line: int, text: str) -> str:
         (table(rows=ROWS[:5]), ["5 position samples", "at least 20"]),
         (table(rows=[(t, f, 0.25) for t, f, _ in ROWS]), ["never changes (0.25 m in all 40 samples)"]),
         (table(rows=ROWS + ROWS), ["position stamps run backwards: 0.390 s back at sample 41 of 80", "looped"]),
-        (table(rows=[(t, "", x) for t, _, x in ROWS]), ["no force samples"]),
-        (table(rows=[(t, f, "") for t, f, _ in ROWS]), ["no position samples"]),
+        (table(rows=[(t, "", x) for t, _, x in ROWS]), ["no force samples: column force_n has", "none for a free"]),
+        (
+            table(rows=[(t, f, "") for t, f, _ in ROWS]),
+            ["no position samples: column position_m has no number on any line", "another column with --position"],
+        ),
         (b"\x89PNG\r\n" + bytes(50), ["is not text"]),
     ],
 )
