@@ -127,6 +127,41 @@ def test_recent_gives_the_last_seconds_by_stamp() -> None:
     assert buffer.recent(1.0)[0].size == 0 and buffer.counts.positions == 1000
 
 
+def test_the_force_that_acts_outlasts_a_clearing() -> None:
+    """A publisher that holds its force does not tell it again: the next force would seem to have acted before."""
+    ns = stamps(400)
+    for first, later, expected in (
+        ([(ns[0], 3.0), (ns[50], 10.0)], [(ns[300], 5.0)], [10.0, 5.0]),
+        ([(ns[0], 10.0)], [], [10.0]),
+        ([(ns[0], 10.0)], [(ns[150], 0.0), (ns[300], 5.0)], [0.0, 5.0]),  # it ended before the new recording
+        ([], [(ns[300], 5.0)], [5.0]),
+    ):
+        buffer = LiveBuffer(10_000)
+        for at, force in first:
+            buffer.add_force(at, force)
+        for at in ns[:100]:
+            buffer.add_position(at, 0.5)
+        for _ in range(2):  # nor does a second clearing forget it
+            buffer.clear()
+        for at, force in later:
+            buffer.add_force(at, force)
+        for at in ns[200:]:
+            buffer.add_position(at, 0.5)
+        record = buffer.record()
+        assert record.samples == 200 and record.force.tolist() == expected
+        assert record.force_time[0] <= 0.0 or not first
+
+
+def test_the_force_that_acts_outlasts_a_clearing_and_a_clock_that_is_set_back() -> None:
+    ns = stamps(200)
+    buffer = LiveBuffer(10_000)
+    buffer.add_force(ns[100], 10.0)
+    buffer.clear()
+    for at in ns[:50]:
+        buffer.add_position(at, 0.5)
+    assert (buffer.record().force.tolist(), buffer.record().force_time.tolist()) == ([10.0], [0.0])
+
+
 def filled(count: int = 1000) -> tuple[LiveBuffer, FaultLog, list[int]]:
     watch = FaultLog()
     buffer = LiveBuffer(10_000, watch=watch)

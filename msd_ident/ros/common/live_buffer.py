@@ -96,6 +96,7 @@ class LiveBuffer:
         self._other_forces: deque[tuple[int, float]] = deque(maxlen=_TAIL)
         self._standing = self._dropped = 0
         self._behind = (0, 0, 0)  # messages, first stamp, last stamp
+        self._acting: tuple[int, float] | None = None  # newest force before the samples were forgotten
 
     @property
     def counts(self) -> Counts:
@@ -169,13 +170,15 @@ class LiveBuffer:
         with self._lock:
             ns_x, x = self.position.samples()
             ns_f, f = self.force.samples()
-            dropped = self._dropped
+            dropped, acting = self._dropped, self._acting
             if self.position.size == self.position.capacity:  # what acted before the first sample has gone with it
                 first = np.flatnonzero(ns_f <= ns_x.min())[-1:]
                 ns_f, f = ns_f[first[0] if first.size else 0 :], f[first[0] if first.size else 0 :]
         notes: tuple[str, ...] = ()
         if self._free and ns_x.size:
             ns_f, f = ns_x.min(keepdims=True), np.zeros(1)
+        elif acting is not None and ns_x.size and not np.any(ns_f <= ns_x.min()):
+            ns_f, f = np.append(min(acting[0], int(ns_x.min())), ns_f), np.append(acting[1], f)
         if dropped:
             notes = (f"position: {dropped} repeated samples, or samples with a repeated stamp, were left out.",)
         return from_stamps(
@@ -191,8 +194,12 @@ class LiveBuffer:
         )
 
     def clear(self) -> None:
-        """Forget all samples; the counts go on."""
+        """Forget all samples; the counts go on, and so does the force that acts, which is not told again."""
         with self._lock:
+            if self.force.size:
+                ns, values = self.force.samples()
+                newest = int(np.argmax(ns))
+                self._acting = (int(ns[newest]), float(values[newest]))
             self.position.clear()
             self.force.clear()
             self._suspect, self._dropped = None, 0
@@ -221,6 +228,8 @@ class LiveBuffer:
         first = int(ns[0])
         apart = (first - self.position.newest_ns) / 1e9
         self.begin_anew()
+        if self.force.size:
+            self._acting = None
         self.force.keep_before(first)
         for at, force in self._other_forces:
             if abs(at - first) <= _AHEAD_NS:
