@@ -44,6 +44,7 @@ class SdfTarget(Target):
     library = None
     why_not = "Gazebo has no Python package that steps a world; open it with gz sim"
     needs_newtons = True
+    turned = "a positive force on this joint moves it upwards, and nothing here inverts it: apply minus the force"
     kept = (roles.FRICTION, roles.CONSTANT, roles.STOPS)
     template = "joint.sdf.txt"
 
@@ -61,7 +62,7 @@ class SdfTarget(Target):
         """Content of each file to write; the main file first."""
         text = filled(
             self.template,
-            header=header.xml_text(plan, self.what),
+            header=header.xml_text(plan, self.what, self.turned),
             joint=quoting.in_xml(plan.joint), kind=MOTIONS[plan.saved.position_unit],
             inertial=self.inertial(plan), free=number(FREE),
             **_limits(plan), **_dynamics(plan),

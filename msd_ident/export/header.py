@@ -5,25 +5,30 @@ from __future__ import annotations
 from msd_ident.data.provenance import versions
 from msd_ident.export import quoting
 from msd_ident.export.plan import FORCES, Plan
+from msd_ident.export.target import Target
 from msd_ident.quantity import Z95
 
+#: What a force sign of -1 says.
+DOWNWARDS = "a positive force moves the encoder downwards"
 
-def text(plan: Plan, target: str) -> str:
+
+def text(plan: Plan, target: str, turned: str = Target.turned) -> str:
     """The header without comment signs."""
-    return "\n".join(lines(plan, target))
+    return "\n".join(lines(plan, target, turned))
 
 
-def xml_text(plan: Plan, target: str) -> str:
+def xml_text(plan: Plan, target: str, turned: str = Target.turned) -> str:
     """The header for an XML comment."""
-    return quoting.in_xml_comment(text(plan, target))
+    return quoting.in_xml_comment(text(plan, target, turned))
 
 
-def lines(plan: Plan, target: str) -> list[str]:
+def lines(plan: Plan, target: str, turned: str = Target.turned) -> list[str]:
     """Lines of the header, without comment signs, safe in a docstring and in comments.
 
     Args:
         plan: what is exported.
         target: the format, in a few words.
+        turned: what it does with a force whose positive values move the encoder downwards.
     """
     saved = plan.saved
     head = [
@@ -34,7 +39,7 @@ def lines(plan: Plan, target: str) -> list[str]:
     ]
     for name, value in plan.values.items():
         head.append(f"{name:<26} {value:>12.6g}   {_interval(plan, name)}")
-    head += ["", *_units(plan), *(f"- {row}" for row in plan.rows)]
+    head += ["", *_units(plan, turned), *(f"- {row}" for row in plan.rows)]
     return [quoting.plain(line) for line in head]
 
 
@@ -48,7 +53,7 @@ def _interval(plan: Plan, name: str) -> str:
     return f"+- {Z95 * abs(scale) * quantity.std:.2g} {quantity.unit}"
 
 
-def _units(plan: Plan) -> list[str]:
+def _units(plan: Plan, turned: str) -> list[str]:
     saved = plan.saved
     notes = [f"positions in {saved.position_unit}, as the encoder reads them; the spring is relaxed at {plan.zero:.6g}"]
     if saved.force_unit not in FORCES:
@@ -56,5 +61,5 @@ def _units(plan: Plan) -> list[str]:
     elif saved.scale_assumed:
         notes.append("no force scale was measured: the motion is right, forces are those of a mass of 1 kg")
     if saved.force_sign < 0:
-        notes.append("a positive force moves the encoder downwards: the force of the actuator is inverted")
+        notes.append(f"{DOWNWARDS}: {turned}")
     return notes

@@ -55,6 +55,8 @@ class Target:
     located: ClassVar[bool] = False
     #: Whether it takes forces that act when they come, so that none can act before its stamp.
     commanded: ClassVar[bool] = False
+    #: What is done with a force whose positive values move the encoder downwards.
+    turned: ClassVar[str] = "the force of the actuator is inverted"
     #: Roles of effects (``roles``) that are written though the format does not say them exactly.
     kept: ClassVar[tuple[str, ...]] = ()
 

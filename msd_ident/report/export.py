@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from msd_ident.export.header import DOWNWARDS
+from msd_ident.export.target import Target
 from msd_ident.report import numbers
 from msd_ident.report.tables import new_table, say
 from msd_ident.workflow.explained_motion import percent_text
@@ -22,6 +24,8 @@ def print_export(found: Export, console: Console) -> None:
         console.print(f"wrote {path}", highlight=False)
     for row in found.rows:
         console.print(f"  {row.sentence}", highlight=False)
+    if found.plan.saved.force_sign < 0 and found.target.turned != Target.turned:
+        say(console, "note", "yellow", f"In this record {DOWNWARDS}; {found.target.turned}.")
     if found.nearest is not None:
         say(console, "note", "yellow", f"Written {found.nearest.sentence}.")
     if found.proof is not None:

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 import yaml
 from exportrigs import NOISE, measured, result, saved
+from rich.console import Console
 
 from msd_ident.data.record import Record
 from msd_ident.errors import DataError, UsageError
@@ -21,6 +22,7 @@ from msd_ident.export import robot as robots
 from msd_ident.export.mujoco_replay import averages
 from msd_ident.export.plan import force_power, scaled
 from msd_ident.model import Model, Plant, Simulator
+from msd_ident.report import export as tables
 from msd_ident.workflow.saved_model import from_json_dict
 
 ROBOT = """<mujoco><worldbody><body><joint name="cart" type="slide" axis="1 0 0"/><geom size=".02" mass="0.4"/>
@@ -286,6 +288,22 @@ def test_a_turned_force_is_turned_back(tmp_path: Path) -> None:
         out = tmp_path / f"rig{target(name).suffixes[0]}"
         found = export(saved(model, force_sign=-1), target(name), out, Options(), (turned,))
         assert found.proof is not None and found.proof.ratio == pytest.approx(1.0, abs=0.02), name
+
+
+def test_a_format_without_an_actuator_says_that_the_force_is_to_be_turned(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    model, _ = rig("coulomb_friction")
+    for name in ("sdf", "urdf", "gains", "mujoco-xml"):
+        out = tmp_path / f"rig{target(name).suffixes[0]}"
+        tables.print_export(export(saved(model, force_sign=-1), target(name), out), Console(width=200))
+        told = " ".join(out.read_text(encoding="utf-8").split())
+        inverted = name in ("gains", "mujoco-xml")
+        assert ("the force of the actuator is inverted" in told) == inverted
+        for text in (told, capsys.readouterr().out):
+            assert ("nothing here inverts it: apply minus the force" in text) == (not inverted)
+    export(saved(model), target("sdf"), tmp_path / "same.sdf")
+    assert "downwards" not in (tmp_path / "same.sdf").read_text(encoding="utf-8")
 
 
 def test_uneven_samples_are_replayed_at_their_own_instants(tmp_path: Path) -> None:
