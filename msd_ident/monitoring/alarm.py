@@ -63,14 +63,21 @@ class Regression:
         self._inverse: FloatArray | None = None
         self._coefficients: FloatArray = np.zeros(size)
 
-    def update(self, value: float, regressors: FloatArray) -> float:
-        """Normal score of a further value, given all before; NaN while there are too few to tell."""
+    def update(self, value: float, regressors: FloatArray, own: float = 0.0) -> float:
+        """Normal score of a further value, given all before; NaN while there are too few to tell.
+
+        Args:
+            value: of the record.
+            regressors: of the record.
+            own: standard deviation of the value itself: the scatter is no smaller, however alike the records are.
+        """
         score = math.nan
         if self._inverse is not None:
             leverage = float(regressors @ self._inverse @ regressors)
             residual = (value - float(regressors @ self._coefficients)) / math.sqrt(1.0 + leverage)
-            if self._residuals >= _FEWEST and self._squares > 0.0:
-                score = _normal(residual / math.sqrt(self._squares / self._residuals), self._residuals)
+            scatter = max(self.scatter, own) if self._residuals >= _FEWEST else 0.0
+            if scatter > 0.0:
+                score = _normal(residual / scatter, self._residuals)
             self._squares, self._residuals = self._squares + residual**2, self._residuals + 1
             gain = self._inverse @ regressors / (1.0 + leverage)
             self._coefficients = self._coefficients + gain * (value - float(regressors @ self._coefficients))

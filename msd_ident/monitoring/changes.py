@@ -9,7 +9,7 @@ distribution.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -59,28 +59,33 @@ class Change:
         return 100.0 * (self.after - self.before) / abs(self.before) if self.before else math.nan
 
 
-def changes(values: FloatArray, regressors: FloatArray) -> tuple[Change, ...]:
+def changes(values: FloatArray, regressors: FloatArray, stds: FloatArray | None = None) -> tuple[Change, ...]:
     """Change points of a series.
 
     Args:
         values: (n,) in the order of time.
         regressors: (n, q) of what moves it without wear; q may be 0.
+        stds: (n,) of the values themselves; NaN or 0 where nobody knows. The scatter about a level is no smaller than
+            their median, however alike the records are.
     """
+    least = _least(stds)
     offset = max(values.size - MOST, 0)
     values, regressors = values[offset:], regressors[offset:]
     if values.size < 2 * _FEWEST or not np.ptp(values) > 0.0:
         return ()
-    runs = [_averaged(values - moved) for moved in _moved_somehow(values, regressors)]
+    runs = [_averaged(values - moved, least) for moved in _moved_somehow(values, regressors)]
     probability, evidence = max(runs, key=lambda run: run[1])
     places = _peaks(probability)
     for _ in range(3):  # the coefficients beside the levels that were found
         moved = _moved(values, regressors, places)
-        again, better = _averaged(values - moved)
+        again, better = _averaged(values - moved, least)
         if better <= evidence or not places:
             break
         probability, evidence, places = again, better, _peaks(again)
     level = values - _moved(values, regressors, places)
-    return tuple(_change(level, place, places, probability, offset) for place in places)
+    sigma = max(_scatter(level, places), least)
+    found = (_change(level, place, places, probability, sigma) for place in places)
+    return tuple(replace(one, index=one.index + offset) for one in found)
 
 
 def _moved_somehow(values: FloatArray, regressors: FloatArray) -> list[FloatArray]:
@@ -98,11 +103,17 @@ def _moved_somehow(values: FloatArray, regressors: FloatArray) -> list[FloatArra
     return [nothing, whole, np.asarray((regressors - regressors.mean(axis=0)) @ slope)]
 
 
-def _averaged(level: FloatArray) -> tuple[FloatArray, float]:
+def _least(stds: FloatArray | None) -> float:
+    """Smallest scatter of a series: what its values are known to."""
+    known = np.empty(0) if stds is None else stds[np.isfinite(stds) & (stds > 0.0)]
+    return float(np.median(known)) if known.size else 0.0
+
+
+def _averaged(level: FloatArray, least: float) -> tuple[FloatArray, float]:
     """Posterior (n,) of changes and its log evidence, over all scatters that may be."""
     middle = _scatter(level, [])
     factors = _FACTORS if level.size <= _SHORT else (1.0,)
-    runs = [_posterior(level, factor * middle) for factor in factors]
+    runs = [_posterior(level, sigma) for sigma in sorted({max(factor * middle, least) for factor in factors})]
     evidence = np.array([one for _, one in runs])
     top = float(evidence.max())
     weights = np.exp(evidence - top)
@@ -190,10 +201,9 @@ def _near(probability: FloatArray, place: int) -> float:
     return min(float(probability[max(place - _NEAR, 0) : place + _NEAR + 1].sum()), 1.0)
 
 
-def _change(level: FloatArray, place: int, places: list[int], probability: FloatArray, offset: int) -> Change:
+def _change(level: FloatArray, place: int, places: list[int], probability: FloatArray, sigma: float) -> Change:
     edges = [0, *places, level.size]
     here = edges.index(place)
     before, after = level[edges[here - 1] : place], level[place : edges[here + 1]]
-    sigma = _scatter(level, places)
     std = sigma * math.sqrt(1.0 / before.size + 1.0 / after.size)
-    return Change(place + offset, _near(probability, place), float(before.mean()), float(after.mean()), std)
+    return Change(place, _near(probability, place), float(before.mean()), float(after.mean()), std)

@@ -16,13 +16,27 @@ from msd_ident.monitoring.watching import Sample
 def by_robot(table: Table) -> dict[str, list[Sample]]:
     """The samples of each robot, or of each of its joints.
 
+    Of several pairs of units, and of free decays beside records whose mass is known, each is a series of its own, with
+    a name that says so: their numbers are no changes of each other.
+
     Raises:
         DataError: no record has a result.
     """
-    found = defaultdict(list)
+    found: dict[str, dict[str, list[Sample]]] = defaultdict(lambda: defaultdict(list))
     for row in reading.diagnosed(table):
-        found[" ".join(filter(None, (row["robot"], row["joint"])))].append(_sample(row))
-    return dict(sorted(found.items()))
+        found[" ".join(filter(None, (row["robot"], row["joint"])))][_kind(row)].append(_sample(row))
+    return {
+        name if len(kinds) == 1 else f"{name} ({kind})".strip(): kinds[kind]
+        for name, kinds in sorted(found.items())
+        for kind in sorted(kinds)
+    }
+
+
+def _kind(row: Mapping[str, Any]) -> str:
+    """What the numbers of a record are in."""
+    if row["mass"] == 1.0 and row["mass_std"] == 0.0:  # assumed: there is no force that tells it
+        return f"free decays in {row['position_unit']}"
+    return f"{row['force_unit']}, {row['position_unit']}"
 
 
 def _sample(row: Mapping[str, Any]) -> Sample:

@@ -183,7 +183,8 @@ def watch(name: str, samples: Sequence[Sample], options: Options = Options()) ->
         DataError: too few records.
     """
     if len(samples) < FEWEST:
-        raise DataError(f"{name or 'the table'} has {len(samples)} records; expected at least {FEWEST} to watch it")
+        had = counted(str(len(samples)), "record")
+        raise DataError(f"{name or 'the table'} has {had}; expected at least {FEWEST} to watch it")
     timed = all(math.isfinite(sample.time) for sample in samples)
     ordered = tuple(sorted(samples, key=lambda sample: sample.time)) if timed else tuple(samples)
     moved_by = _moved_by(ordered, timed)
@@ -239,7 +240,9 @@ class Watchers:
         whole = bool(np.all(np.isfinite(regressors)))
         for name, regression in self.regressions.items():
             value = sample.values.get(name, math.nan)
-            score = regression.update(value, regressors) if whole and math.isfinite(value) else math.nan
+            own = sample.stds.get(name, 0.0)
+            own = own if math.isfinite(own) else 0.0
+            score = regression.update(value, regressors, own) if whole and math.isfinite(value) else math.nan
             if math.isfinite(score):  # without a bet a detector stays where it is
                 self.detectors[name].update(shift_evidence(score))
         if sample.causes:
@@ -311,4 +314,4 @@ def _series(name: str, samples: Sequence[Sample], regressors: FloatArray) -> Ser
         return None
     values = np.array([samples[i].values[name] for i in index])
     stds = np.array([samples[i].stds.get(name, math.nan) for i in index])
-    return Series(name, tuple(index), values, stds, changes(values, regressors[index][:, 1:]))
+    return Series(name, tuple(index), values, stds, changes(values, regressors[index][:, 1:], stds))

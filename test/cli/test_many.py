@@ -152,6 +152,25 @@ def test_a_path_that_leads_nowhere_is_refused_before_anything_is_written(
     assert [path.name for path in tmp_path.iterdir()] == ["a.csv"]
 
 
+def test_watch_keeps_units_and_free_decays_apart(tmp_path: Path) -> None:
+    """A record in counts is no change of one in metres, nor is a decay, whose mass of 1 kg is assumed."""
+    days = [row(n) for n in range(10)]
+    days += [row(n, position_unit="count", mass=4e-6, stiffness=3e-3) for n in range(10, 18)]
+    days += [row(n, force_unit="V", mass=0.19) for n in range(18, 21)]
+    days += [row(n, mass=1.0, mass_std=0.0, stiffness=738.0) for n in range(21, 22)]
+    days += [row(n, "other") for n in range(8)]
+    table.Store(str(tmp_path / "lab.parquet")).finish(table.made(days))
+    found = run("watch", tmp_path / "lab.parquet", "--check")
+    assert found.code == 0
+    lines = [line.strip() for line in found.out.splitlines()]
+    starts = ("arm (N, count): no alarm in 8 records", "arm (N, m): no alarm in 10 records", "other: no alarm in 8")
+    assert all(line.startswith(start) for line, start in zip(lines, starts, strict=False))
+    assert lines[3:] == [
+        "left out: arm (V, m) has 3 records; expected at least 8 to watch it",
+        "left out: arm (free decays in m) has 1 record; expected at least 8 to watch it",
+    ]
+
+
 def test_watch_says_who_changed_and_when(lab: Path, tmp_path: Path) -> None:
     found = run("watch", lab, "--check", "--report", tmp_path / "watch.html", "--json", tmp_path / "watch.json")
     assert found.code == 1

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -72,6 +73,21 @@ def test_two_changes_are_two() -> None:
     found = changes(values, np.empty((90, 0)))
     assert [one.index for one in found] == [30, 60]
     assert [round(one.after - one.before, 1) for one in found] == [0.6, -1.2]
+
+
+def test_a_change_within_what_the_values_are_known_to_is_none() -> None:
+    """Records that are all alike have no scatter: a step of 1e-5 was certain, and led the headline."""
+    samples = days(14, measured=False)
+    for number, sample in enumerate(samples):
+        after = number >= 10
+        values = {"mass": 0.94 + (1e-5 if after else 0.0), "stiffness": 672.0 if after else 694.0, "damping": 3.9}
+        stds = {"mass": 6e-6, "stiffness": 4e-3, "damping": 1e-4}
+        samples[number] = replace(sample, values=values, stds=stds)
+    found = watch("arm", samples)
+    assert [(one.what, one.index) for one in found.alarms] == [("stiffness", 10)]
+    assert {one.name: len(one.changes) for one in found.series} == {"mass": 0, "damping": 0, "stiffness": 1}
+    (change,) = next(one.changes for one in found.series if one.name == "stiffness")
+    assert change.index == 10 and change.std == pytest.approx(4e-3 * math.sqrt(1 / 10 + 1 / 4))
 
 
 def test_noise_and_constants_have_no_changes() -> None:
