@@ -22,8 +22,9 @@ class Limits:
     """What a rig may be put through.
 
     Attributes:
-        force: least and greatest force [N]; 0 lies between them.
-        travel: how far the encoder may read to either side of where the cart is at the start [m]; 0 lies between.
+        force: least and greatest force [N, or the unit of the records]; 0 lies between them.
+        travel: how far the encoder may read to either side of where the cart is at the start [m, or the unit of
+            the records]; 0 lies between.
         duration: of one experiment [s].
         speed: greatest [m/s]; infinite for no limit.
 
@@ -86,6 +87,18 @@ class Limits:
                 f"profile {profile.name!r} takes {profile.duration:g} s, the limits allow {self.duration:g} s; "
                 "expected a shorter one"
             )
+
+    def no_room(self, unit: str, length: str) -> UsageError:
+        """The error where no profile fits; it says in which units the limits were taken.
+
+        Args:
+            unit, length: of force and position of the records.
+        """
+        force, travel = (f"{low:g} to {high:g}" for low, high in (self.force, self.travel))
+        return UsageError(
+            "no experiment has room within these limits; expected more force, travel, speed or time: raise them "
+            f"(they are in the units of the records: force {force} {unit}, travel {travel} {length})"
+        )
 
     def to_dict(self) -> dict[str, Any]:
         """As in a limits file."""

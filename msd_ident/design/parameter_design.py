@@ -95,9 +95,7 @@ def sharpen(diagnosis: Diagnosis, targets: Sequence[str], limits: Limits) -> Sha
     predictor = question.predictors[0]
     found = options(question, [p for p in family_of(question) if p.duration > 0.2 * limits.duration])
     if not found:
-        raise UsageError(
-            "no experiment has room within these limits; expected more force, travel, speed or time: raise them"
-        )
+        raise limits.no_room(diagnosis.records[0].force_unit, diagnosis.records[0].position_unit)
     rated = [(_spread(question, one, targets), one) for one in found]
     stds, best = min(rated, key=lambda pair: float(np.sum(np.log(pair[0]))))
     step, random = (_rated(question, unit, targets) for unit in compared(best.profile.duration, question.period))

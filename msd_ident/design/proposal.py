@@ -143,9 +143,14 @@ def check_predictable(diagnosis: Diagnosis) -> None:
     """Refuse records that do not show how far a force moves the rig, or whose fitted values may be of another one.
 
     Raises:
-        UsageError: mass, damping and stiffness of the diagnosed model are all open, or a regression gives mass and
-            stiffness of opposite signs (``signs_doubt``).
+        UsageError: mass, damping and stiffness of the diagnosed model are all open, no force acts, so that they are
+            those of an assumed mass, or a regression gives mass and stiffness of opposite signs (``signs_doubt``).
     """
+    if not any(np.any(record.force) for record in diagnosis.records):
+        raise UsageError(
+            "no force acts in these records, so how far a force moves the rig is unknown and no experiment can be "
+            "designed; expected a record with a force: record a step, and give both"
+        )
     if not scale_known(diagnosis.extended.quantities):
         raise UsageError(
             "these records do not show how far a force moves the rig, so no experiment can be designed; expected a "
@@ -185,9 +190,7 @@ def _proposed(question: Question, diagnosis: Diagnosis, called: Sequence[str], v
     else:
         found = profile_search.search(question, rich) or profile_search.search(question, plain)
     if found is None:
-        raise UsageError(
-            "no experiment has room within these limits; expected more force, travel, speed or time: raise them"
-        )
+        raise question.limits.no_room(unit, length)
     option, refits = found.best, found.refits
     apart = _hopeless(question, found.all, called, length)
     pair = _closest_pair(option)

@@ -26,6 +26,7 @@ from msd_ident.design import (
 from msd_ident.design import proposal as proposals
 from msd_ident.design.discrimination import Discrimination
 from msd_ident.design.evaluation import Option
+from msd_ident.design.parameter_design import sharpen
 from msd_ident.design.prediction import Grid
 from msd_ident.design.proposal import _closest_pair, _hardest, _instead, _moved, _sentence
 from msd_ident.design.rival_refits import Refitted
@@ -112,6 +113,24 @@ def test_what_is_in_vain_names_measurements_once_and_limits() -> None:
 def test_limits_without_room() -> None:
     with pytest.raises(UsageError, match="no experiment has room within these limits; expected more force"):
         check(stepped("", "", 0.0), Limits((-10.0, 10.0), (-0.03, 0.03), 0.05))
+
+
+def test_limits_without_room_are_told_with_the_units_of_the_records() -> None:
+    """A rig in counts: the travel of 0.03 m was read as 0.03 counts, without a word."""
+    told = stepped("", "", 0.0)
+    counted = replace(told, records=tuple(replace(one, position_unit="count") for one in told.records))
+    tight = Limits((-10.0, 10.0), (-0.03, 0.03), 0.05)
+    for call in (lambda: check(counted, tight), lambda: sharpen(counted, ["mass"], tight)):
+        with pytest.raises(UsageError, match=r"the units of the records: force -10 to 10 N, travel -0.03 to 0.03 cou"):
+            call()
+
+
+def test_nothing_is_designed_where_no_force_acts() -> None:
+    """A free decay says nothing of how far a force moves the rig: the limits were said to be too tight."""
+    told = stepped("", "", 0.0)
+    still = replace(told, records=tuple(replace(one, force=0.0 * one.force) for one in told.records))
+    with pytest.raises(UsageError, match="no force acts in these records, .* expected a record with a force: record"):
+        check_predictable(still)
 
 
 def test_without_limits_a_design_asks_for_no_more_than_was_measured() -> None:
