@@ -172,9 +172,11 @@ def run(paths: Iterable[str | os.PathLike[str]], job: Job, link: Link, plan: Pla
         The table, and the run with its counts.
 
     Raises:
-        DataError, UsageError, SetupError: nothing to do, no place for the table, a cluster that cannot be used.
+        DataError, UsageError, SetupError: nothing to do, a label that no path has, no place for the table, a cluster
+            that cannot be used.
     """
     found = locations.records(paths)
+    job.check_labels(found)
     store = plan.store()
     earlier = store.earlier() if store is not None and plan.resume else table.made([])
     this = Run(found, Work(job, draw=plan.draw, threads=1), plan, earlier)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields
 from typing import Any
 
@@ -55,6 +55,22 @@ class Job:
                 raise UsageError(f"label {name}: {text!r} has no group; expected one in brackets, e.g. 'arm_([0-9]+)'")
         if self.all_joints and (self.source.force or self.source.position):
             raise UsageError("--all-joints takes force and position of each joint; expected no --force and --position")
+
+    def check_labels(self, paths: Sequence[str]) -> None:
+        """Refuse a label whose column would be empty in all rows.
+
+        Args:
+            paths: of all records.
+
+        Raises:
+            UsageError: its expression matches none of them.
+        """
+        for name, text in self.labels.items():
+            if paths and not any(re.search(text, path) for path in paths):
+                raise UsageError(
+                    f"label {name}: {text!r} matches no path, e.g. not {paths[0]}; expected an expression that is in "
+                    "the paths of records, with the name in brackets"
+                )
 
     def changes(self) -> str:
         """What was asked for beyond the defaults, as JSON; the same text on every computer."""

@@ -69,6 +69,7 @@ def batch(
         raise UsageError(f"{out} is no table's name; expected one that ends in .parquet")
     output = results.Output(quiet=quiet, overwrite=overwrite or resume, report=report)
     records = locations.records([*(paths or ()), *_listed(listed)])
+    job.check_labels(records)
     listing = [listed] if listed not in ("", "-") else []
     output.check(*many_records.here([*records, *listing]), written=many_records.here([out]))
     plan = batches.Plan(out, resume, overwrite, _draw if job.pages else None)
@@ -76,7 +77,11 @@ def batch(
 
 
 def _run(paths: Sequence[str], job: Job, plan: Plan, output: results.Output, batching: many_records.Batching) -> int:
-    """Run the batch and say how it went; exit code 0, whatever single records are like."""
+    """Run the batch and say how it went; exit code 0, whatever single records are like.
+
+    Raises:
+        DataError: no record at all has a result; the table with the reasons is written.
+    """
     from msd_ident.batching import batch as batches
 
     try:
@@ -87,7 +92,8 @@ def _run(paths: Sequence[str], job: Job, plan: Plan, output: results.Output, bat
             table, this = batches.run(paths, job, link, replace(plan, progress=tell))
     except KeyboardInterrupt:
         raise Interrupted(_kept(plan.out)) from None
-    failed = sum(error is not None for error in table.column("error").to_pylist())
+    errors = [error for error in table.column("error").to_pylist() if error is not None]
+    failed = len(errors)
     if not output.quiet:
         print(f"{plan.out}: {table.num_rows} rows, {failed} with an error, {this.reused} records done before")
     if output.report is not None:
@@ -96,6 +102,11 @@ def _run(paths: Sequence[str], job: Job, plan: Plan, output: results.Output, bat
         batch_page.save(table, output.report, plan.out)
         if not output.quiet:
             print(f"report: {output.report}")
+    if failed and failed == table.num_rows:
+        raise DataError(
+            f"no record of {plan.out} has a result ({errors[0]}); expected one at least: the reason of each is in its "
+            "column error"
+        )
     return 0
 
 

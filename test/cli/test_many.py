@@ -42,6 +42,10 @@ def lab(tmp_path: Path) -> Path:
         (("batch", "x.csv", "--out", "t.parquet", "--workers", "-1"), "-1 workers; expected at least 1"),
         (("batch", "x.csv", "--out", "t.parquet", "--label", "robot"), "--label 'robot'; expected NAME=VALUE"),
         (
+            ("batch", "a/x.csv", "b.csv", "--out", "t.parquet", "--label", "robot=arm_(.)", "--label", "day=(b)"),
+            "label robot: 'arm_(.)' matches no path, e.g. not",
+        ),
+        (
             ("batch", "x.csv", "--out", "t.parquet", "--all-joints", "--force", "a"),
             "--all-joints takes force and position",
         ),
@@ -132,6 +136,23 @@ def test_an_interrupted_batch_says_how_to_go_on(
     monkeypatch.chdir(tmp_path)
     found = run("batch", "a.csv", "--out", "t.parquet")
     assert (found.code, found.out, found.err) == (130, "", f"msd: interrupted; {says}\n")
+
+
+@pytest.mark.parametrize(("failed", "code"), [(2, 2), (1, 0)])
+def test_a_batch_without_any_result_says_why(
+    failed: int, code: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Single records may fail; a job that is wrong for all of them passed as a success."""
+    bad = [{**row(n), "verdict": None, "error": "no signal is called 'x'"} for n in range(failed)]
+    made = table.made([*bad, *(row(n) for n in range(failed, 2))])
+    monkeypatch.setattr(batch, "linked", lambda *_: contextlib.nullcontext(link))
+    monkeypatch.setattr(batch, "run", lambda *_: (made, SimpleNamespace(reused=0)))
+    link = SimpleNamespace(client=SimpleNamespace(dashboard_link=""))
+    monkeypatch.chdir(tmp_path)
+    found = run("batch", "a.csv", "b.csv", "--out", "t.parquet")
+    assert found.code == code and found.out == f"t.parquet: 2 rows, {failed} with an error, 0 records done before\n"
+    said = "msd: no record of t.parquet has a result (no signal is called 'x'); expected one at least: the reason of"
+    assert found.err.startswith(said) if code else found.err == ""
 
 
 def test_a_watch_of_a_table_keeps_none(lab: Path) -> None:
