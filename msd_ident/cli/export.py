@@ -20,7 +20,8 @@ ToOption = Annotated[
     options.output_option(
         "--to",
         metavar="TARGET",
-        help="format: mujoco, mujoco-xml (no callbacks), sdf, urdf, python, python-msd, fmu, gains, draws",
+        help="format: mujoco, mujoco-xml (no callbacks), mujoco-fragment (a joint), sdf, urdf, python, python-msd, "
+        "fmu, gains, draws",
     ),
 ]
 ReplayOption = Annotated[

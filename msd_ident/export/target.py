@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
@@ -16,6 +17,10 @@ if TYPE_CHECKING:
     from msd_ident.export.plan import Plan
     from msd_ident.model import Model
     from msd_ident.model.effects import Effect
+
+
+#: Modules that a program imports: a file of such a name hides them from every program that is begun in its folder.
+_LIBRARIES = sys.stdlib_module_names | {"numpy", "scipy", "mujoco", "msd_ident", "pythonfmu"}
 
 
 @dataclass(frozen=True)
@@ -89,7 +94,7 @@ class Target:
         """Refuse a file name that the target's reader would not take.
 
         Raises:
-            UsageError: another ending than ``suffixes``, or no name that Python can import.
+            UsageError: another ending than ``suffixes``, no name that Python can import, or that of a library.
         """
         if out.suffix not in self.suffixes:
             raise UsageError(
@@ -98,6 +103,11 @@ class Target:
             )
         if self.imported and not out.stem.isidentifier():
             raise UsageError(f"--out {out} for {self.name}; expected a name that Python can import, e.g. rig.py")
+        if self.imported and out.stem.lower() in _LIBRARIES:
+            raise UsageError(
+                f"--out {out} for {self.name}; expected a name of its own, e.g. --out rig.py: programs in its folder "
+                f"would import it in the place of Python's {out.stem.lower()}"
+            )
 
     def beside(self, out: Path) -> tuple[Path, ...]:
         """Files that it may write beside the main one."""

@@ -414,6 +414,8 @@ def test_other_refusals(tmp_path: Path) -> None:
         (lambda: export(saved(model, unit="V"), target("urdf"), tmp_path / "a.urdf"), "are in V; expected a force"),
         (lambda: export(saved(model), target("mujoco"), tmp_path / "a.sdf"), "expected a name that ends in .xml"),
         (lambda: export(saved(model), target("python"), tmp_path / "a-b.py"), "a name that Python can import"),
+        (lambda: export(saved(model), target("python"), tmp_path / "json.py"), "a name of its own, e.g. --out rig.py:"),
+        (lambda: export(saved(model), target("python-msd"), tmp_path / "numpy.py"), "the place of Python's numpy"),
         (lambda: export(saved(model), target("draws"), tmp_path / "a.csv"), "draws need the record"),
         (lambda: export(saved(model), target("draws"), tmp_path / "a.csv", Options(draws=0)), "expected at least 1"),
         (
@@ -436,7 +438,7 @@ def test_other_refusals(tmp_path: Path) -> None:
     (tmp_path / "no.xml").write_text("<robot/>")
     with pytest.raises(DataError, match="holds <robot>; expected a MuJoCo model"):
         export(saved(model), into(tmp_path / "no.xml", "mujoco"), tmp_path / "a.xml")
-    assert not list(tmp_path.glob("a.*"))
+    assert not list(tmp_path.glob("a.*")) and not list(tmp_path.glob("*.py"))
 
 
 def test_no_limit_of_the_force_is_none_in_every_file(tmp_path: Path) -> None:
