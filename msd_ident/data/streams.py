@@ -19,6 +19,10 @@ if TYPE_CHECKING:
 LATEST_SECONDS = 1.0
 
 
+#: What a note says of samples that were dropped though they tell something, since another one has their stamp.
+OTHER_VALUES = "with another value"
+
+
 class About(TypedDict, total=False):
     """What a source says of its record beside the samples, as in ``Record``."""
 
@@ -170,17 +174,16 @@ def _ordered(stream: _Stream, stamps: Stamps, values: npt.ArrayLike, notes: list
     if what == "position" and unique.size < MINIMUM_SAMPLES <= stamps.size:
         raise DataError(
             f"{stamps.size} position samples have only {unique.size} different stamps; expected one each: check the "
-            "time column, or what stamps the messages"
+            f"time column, or what stamps the messages{_even(stamps, tick)}"
         )
     if dropped:
         differs = data != data[kept][np.searchsorted(unique, stamps)]
         back = int(np.count_nonzero(differs & np.isin(stamps, stamps[taken_back])))
         other = int(np.count_nonzero(differs)) - back
         differ = f", {back} of them replaced by a 0 that was sent later" if back else ""
-        differ += f", {other} of them with another value" if other else ""
+        differ += f", {other} of them {OTHER_VALUES}" if other else ""
         if other > stamps.size // 10 and unique.size > 1:
-            ticks = tick * float(np.median(np.diff(unique)))
-            differ += f": their clock ticks every {ticks:.3g} s, so force and position may be as far apart"
+            differ += f": {_shared(stamps, unique, tick)}"
         notes.append(f"{what}: {dropped} samples with duplicate stamps were dropped{differ}.")
     return unique, data[kept]
 
@@ -203,6 +206,29 @@ def _taken_back(stamps: Stamps, data: FloatArray) -> npt.NDArray[np.bool_]:
     back = np.asarray((data == 0.0) & again, dtype=np.bool_)
     back[:-1] |= (data[:-1] == 0.0) & (stamps[:-1] < stamps[1:]) & back[1:]
     return back
+
+
+def _shared(stamps: Stamps, unique: Stamps, tick: float) -> str:
+    """Why many samples share their stamps, in words: the clock stood still, or ticks rarely."""
+    times = np.unique(stamps, return_counts=True)[1]
+    most = int(np.argmax(times))
+    if np.median(times) == 1 and times[most] > (stamps.size - unique.size) // 2:
+        at = tick * float(unique[most] - unique[0])
+        return f"the clock stood still at {at:.3f} s, for {times[most]} samples, which say nothing of when they were"
+    ticks = tick * float(np.median(np.diff(unique)))
+    said = f"their clock ticks every {ticks:.3g} s, so force and position may be as far apart"
+    return said + _even(stamps, tick)
+
+
+def _even(stamps: Stamps, tick: float) -> str:
+    """What to do with a table whose samples were taken evenly, in words; a bag has stamps of messages."""
+    span = float(np.max(stamps) - np.min(stamps))
+    last = int(np.count_nonzero(stamps == np.max(stamps)))
+    if tick != 1.0 or span <= 0.0:
+        return ""
+    return (
+        f"; if the samples were taken evenly, give their rate, about {(stamps.size - last) / span:.4g} Hz, with --rate"
+    )
 
 
 def _late(stream: _Stream, stamps: Stamps, data: FloatArray, taken_back: npt.NDArray[np.bool_]) -> int:

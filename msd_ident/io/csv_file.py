@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
@@ -23,6 +24,8 @@ from msd_ident.writing import readable, write_text, writing_to
 #: number without one is taken for newtons and metres.
 _FORCE_NAMES = ("force", "torque")
 _POSITION_NAMES = ("position", "angle")
+#: Part of a rate that its uncertainty must have to be told.
+_SURE = 1e-4
 #: Columns that an error message names; a measurement program's file may have hundreds.
 _MOST_NAMES = 30
 
@@ -191,10 +194,20 @@ def _times(
             rounding = f"written with {even.digits} digits, at its end rounded to {even.tick * scale:.3g} s"
         notes.append(
             f"{heading} is {rounding}, and {evidence}: the true times are rebuilt, "
-            f"{1.0 / (even.period * scale):.5g} Hz."
+            f"{1.0 / (even.period * scale):.5g} Hz{_unsure(even, scale)}."
         )
         time = even.time
     return time * scale, there, notes
+
+
+def _unsure(even: even_stamps.Rebuilt, scale: float) -> str:
+    """How far the rate of rebuilt times may be off, in words; empty where no interval would show it."""
+    part = 2.0 * even.tick / (float(even.time[-1] - even.time[0]) * math.sqrt(even.time.size))
+    if part < _SURE or even.digits:  # of a fixed number of digits the fine stamps at the begin fix the rate
+        return ""
+    rate = 1.0 / (even.period * scale)
+    off = f"{200.0 * part:.1g} %"
+    return f" ± {part * rate:.1g}, which the intervals of the parameters leave out: a mass may be off by {off}"
 
 
 def write_csv(record: Record, path: str | os.PathLike[str], overwrite: bool = False) -> None:

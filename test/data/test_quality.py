@@ -23,6 +23,7 @@ from msd_ident.data.quality import (
     noise_floor,
 )
 from msd_ident.data.record import FloatArray, Record, from_samples
+from msd_ident.data.streams import from_seconds
 from msd_ident.io import SourceOptions, read
 from msd_sim.api import simulate
 
@@ -563,3 +564,16 @@ def test_missing_samples_of_any_train_of_stamps() -> None:
     assert missing_in(np.delete(regular, [10, 50, 51])) == 3
     assert missing_in(np.array([0.0, 0.1, 3.1, 9.0])) == 0, "a force that is sent when it changes"
     assert missing_in(np.array([0.0, 5.0])) == missing_in(np.zeros(1)) == 0
+
+
+def test_stamps_that_many_samples_share_are_the_reason_and_not_the_push() -> None:
+    """Of 400 samples on a clock of 0.1 s twenty were left: "push harder" was said of a swing of 36 mm."""
+    time = 0.005 * np.arange(400)
+    swing = 0.018 * np.cos(27.0 * time)
+    coarse = from_seconds(np.floor(time / 0.1 + 1e-9) * 0.1, swing, [0.0, 1.0], [10.0, 0.0])
+    said = [one.sentence for one in check(coarse) if one.code == "no_motion"]
+    assert len(said) == 1 and "20 samples that have stamps of their own are too few to tell the motion" in said[0]
+    assert "their clock ticks every 0.1 s" in said[0] and "push harder" not in said[0]
+    finer = from_seconds(np.floor(time / 0.04 + 1e-9) * 0.04, swing, [0.0, 1.0], [10.0, 0.0])
+    (low,) = [one.sentence for one in check(finer) if one.code == "low_rate"]
+    assert low.endswith("the others were dropped, because they share their stamps: give each sample one of its own")

@@ -148,6 +148,24 @@ def test_seconds_count_from_the_first_position() -> None:
         from_seconds(np.where(T == 1.0, np.nan, T), X, T, X)
 
 
+@pytest.mark.parametrize("table", [True, False])
+def test_samples_that_share_a_stamp_say_why(table: bool) -> None:
+    """A clock that stood still for 600 of 1000 samples does not "tick every 0.005 s"; packets have a rate to give."""
+    time = 0.005 * np.arange(1000)
+    still, packets = np.minimum(time, time[400]), 0.08 * np.floor(time / 0.08)
+    notes = []
+    for stamps in (still, packets):
+        of = (stamps, time[:1]) if table else (np.rint(1e9 * stamps).astype(np.int64), np.zeros(1, dtype=np.int64))
+        make = from_seconds if table else from_stamps
+        notes.append(" ".join(make(of[0], np.arange(1000.0), of[1], [0.0]).notes))
+    assert "the clock stood still at 2.000 s, for 600 samples" in notes[0] and "ticks" not in notes[0]
+    assert "their clock ticks every 0.08 s, so force and position may be as far apart" in notes[1]
+    assert ("give their rate, about 200 Hz, with --rate" in notes[1]) == table
+    if table:
+        with pytest.raises(DataError, match="only 4 different stamps; .* give their rate, about 200 Hz, with --rate"):
+            from_seconds(1.25 * np.floor(time / 1.25), np.arange(1000.0), time[:1], [0.0])
+
+
 def test_batches_are_stamped_by_their_period() -> None:
     assert batch_stamps(10**18 + 1, 33, 4).tolist() == [10**18 + 1 + 33 * i for i in range(4)]
     assert batch_stamps(5, 33, 0).size == 0

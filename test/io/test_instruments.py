@@ -272,6 +272,14 @@ def test_rounded_stamps_are_no_lost_messages(counter: bool, tmp_path: Path) -> N
     assert f"time_s is rounded to 0.001 s, and {evidence}: the true times are rebuilt, 887.1 Hz." in record.notes
 
 
+def test_a_rate_that_rounding_leaves_open_is_told_with_its_interval(tmp_path: Path) -> None:
+    """Of 2 s with stamps of 10 ms the rate was 200.08 Hz for 200, and no interval held it."""
+    true = 0.3333 + np.arange(400) / 200.0
+    lines = ["time_s,position_m", *(f"{math.floor(100.0 * t) / 100.0:.2f},{math.sin(20.0 * t):.6f}" for t in true)]
+    (note,) = of(tmp_path / "x.csv", lines).notes
+    assert note.endswith(" Hz ± 0.1, which the intervals of the parameters leave out: a mass may be off by 0.1 %.")
+
+
 def of_digits(rate: float, digits: int, lost: tuple[int, ...] = (), count: int = 600) -> list[str]:
     """Lines whose stamps have so many digits: rounded ever more coarsely."""
     rows = [(t, math.sin(3.0 * t)) for i, t in enumerate(np.arange(count) / rate) if i not in lost]

@@ -10,6 +10,7 @@ import numpy as np
 from msd_ident.data.motion import Motion, Standstill
 from msd_ident.data.quality.finding import Finding, warning
 from msd_ident.data.record import Record
+from msd_ident.data.streams import OTHER_VALUES
 
 #: Fewest samples an oscillation that is not a warning.
 _FEW_SAMPLES = 12
@@ -83,10 +84,13 @@ def rate(record: Record, motion: Motion) -> Iterator[Finding]:
     samples = _samples_an_oscillation(record, motion)
     if samples < _FEW_SAMPLES:
         period, shown = 2 * motion.half_period, math.floor(10.0 * samples) / 10.0
+        advice = f"sample at {_rounded_up(_FEW_SAMPLES / period):.3g} Hz or faster"
+        if any(OTHER_VALUES in note for note in record.notes):
+            advice = "the others were dropped, because they share their stamps: give each sample one of its own"
         yield warning(
             "low_rate",
             f"one oscillation of {period:.3g} s has only {shown:.1f} samples; expected {_FEW_SAMPLES} or more: "
-            f"sample at {_rounded_up(_FEW_SAMPLES / period):.3g} Hz or faster",
+            f"{advice}",
         )
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from msd_ident.data.motion import Motion
 from msd_ident.data.quality.finding import Finding, error, info, warning
 from msd_ident.data.record import FloatArray, Record
+from msd_ident.data.streams import OTHER_VALUES
 
 #: Parts of the variance of force and of motion that lie at one frequency where both are a single tone. A controller
 #: that leads a rig along a sine leaves 0.92 to 1 of the force there, and 0.998 to 1 of the motion; a drive under a sine
@@ -52,6 +53,12 @@ def excitation(record: Record, motion: Motion) -> Iterator[Finding]:
             f"force in steps does, and the force runs smoothly over {motion.force_span:.3g} {record.force_unit}, as a "
             "position does: "
             "are the two swapped? Name them with --force and --position; if not, push harder, or check the encoder",
+        )
+    elif motion.still and (coarse := next((note for note in record.notes if OTHER_VALUES in note), "")):
+        yield error(
+            "no_motion",
+            f"the {record.samples} samples that have stamps of their own are too few to tell the motion, over "
+            f"{motion.span:.3g} {unit}, from noise; {coarse[:-1]}",
         )
     elif motion.still:
         yield error(
