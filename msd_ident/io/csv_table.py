@@ -33,6 +33,10 @@ _COMMENT = re.compile(r"(?:^|(?<=\s))#(?![A-Z]+(?:/0)?[!?]).*$")
 _STUMP = re.compile(r"[-+]\.?|\.|[-+]?[\d.,]+[eE][-+]?")
 #: Digits with colons between them.
 _LIKE_TIME = re.compile(r"[\d.,]+(?::[\d.,]+)+")
+#: A line that is drawn under the names.
+_RULE = re.compile(r"[|+:\s]*(?:[-=_~*]{3,}[|+:\s]*)+")
+#: What stands for a byte that is none of the encoding.
+_UNREADABLE = "\ufffd"
 #: Lines in which a header of keys and values is looked for.
 _HEADER_LINES = 50
 #: Characters behind the first line of numbers that are looked at for a decimal comma.
@@ -234,7 +238,7 @@ class Table:
             elif line and holds_numbers(line, texts[-1] if texts else "", self._text[position : position + _AHEAD]):
                 header = with_units(texts) if texts else comment  # numpy.savetxt comments its header
                 return self._layout(header, line, number, self._text[position : position + _AHEAD])
-            elif line:
+            elif line and not _RULE.fullmatch(line):
                 texts.append(line)
             number += 1
         if matlab_matrix.is_script(self._text):
@@ -295,4 +299,6 @@ def _read_text(path: Path) -> str:
     if (b"\0" in data[:1000] or controls > 0.02 * len(data[:1000])) and not wide:
         raise DataError(f"{path} is not text; expected a CSV file, a MAT file or a bag: export it as one of these")
     text = data.decode("utf-16" if wide else "utf-8-sig", errors="replace")
+    if _UNREADABLE in text and all(sign.isascii() or sign == _UNREADABLE for sign in text):
+        text = data.decode("cp1252", errors="replace")  # of European spreadsheets: ° and µ are one byte
     return text.replace("\r\n", "\n").replace("\r", "\n") if "\r" in text else text

@@ -11,6 +11,7 @@ from __future__ import annotations
 import warnings
 import zlib
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +25,8 @@ _MAGIC = b"MATLAB "
 _MOST_COLUMNS = 50
 #: Structures, and arrays of them, are followed so deep in each other.
 _DEEPEST = 8
+#: Classes of arrays of numbers.
+_ARRAYS = ("logical", "double", "single", *(f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)))
 #: What scipy raises on files that were cut off or are no MAT files.
 _BROKEN = (OSError, ValueError, TypeError, IndexError, KeyError, MemoryError, OverflowError)
 
@@ -52,12 +55,16 @@ class MatFile:
 
     def __init__(self, path: Path) -> None:
         self._path = path
-        self._vectors = {name: vector for name, value in _variables(path) for name, vector in _vectors(name, value)}
+        variables = dict(_variables(path))
+        self._vectors = {name: vector for of, value in variables.items() for name, vector in _vectors(of, value)}
         if not self._vectors:
+            objects = "".join(
+                f", {of} is an object ({o.kind})" for of, o in variables.items() if isinstance(o, _Object)
+            )
             raise DataError(
-                f"{path} holds no vector of numbers; expected variables with a number for each sample, such as time, "
-                "force and position: save them with MATLAB's save, and of objects (timeseries, table) the vectors, as "
-                "in t = ts.Time; x = ts.Data; save('run.mat', 't', 'x')"
+                f"{path} holds no vector of numbers{objects}; expected variables with a number for each sample, such "
+                "as time, force and position: save them with MATLAB's save, and of objects (timeseries, table) the "
+                "vectors, as in t = ts.Time; x = ts.Data; save('run.mat', 't', 'x')"
             )
 
     @property
@@ -85,6 +92,13 @@ class MatFile:
                 "in each of them: choose others with --time, --force and --position"
             )
         return tuple(self._vectors[name] for name in names)
+
+
+@dataclass(frozen=True)
+class _Object:
+    """An object of MATLAB's, of which a file of version 7.3 has a handle and a class."""
+
+    kind: str
 
 
 def _variables(path: Path) -> Iterator[tuple[str, Any]]:
@@ -119,7 +133,11 @@ def _hdf5(path: Path) -> dict[str, Any]:
     def value(item: Any) -> Any:
         if isinstance(item, h5py.Group):
             return {name: value(member) for name, member in item.items()}
-        return np.asarray(item).T
+        kind = item.attrs.get("MATLAB_class", b"")
+        kind = kind.decode(errors="replace") if isinstance(kind, bytes) else str(kind)
+        if "MATLAB_object_decode" in item.attrs and kind not in _ARRAYS:
+            return _Object(kind)
+        return str(kind) if kind == "char" else np.asarray(item).T  # what a text says is not asked for
 
     try:
         with h5py.File(path, "r") as file:

@@ -280,6 +280,32 @@ def test_a_rate_that_rounding_leaves_open_is_told_with_its_interval(tmp_path: Pa
     assert note.endswith(" Hz ± 0.1, which the intervals of the parameters leave out: a mass may be off by 0.1 %.")
 
 
+@pytest.mark.parametrize("rule", ["-" * 37, "=== === ===", "|----|:---|---|", "__________"])
+def test_a_rule_under_the_names_is_no_name(rule: str, tmp_path: Path) -> None:
+    lines = ["Time(s), Position(mm)", rule, *(f"{t:.3f}, {1e3 * x:.6f}" for t, x in zip(T, X, strict=True))]
+    record = read(write(tmp_path / "x.txt", lines), SourceOptions("none"))
+    np.testing.assert_allclose(record.position, X, atol=1e-8)
+
+
+@pytest.mark.parametrize("encoding", ["cp1252", "utf-8"])
+def test_headings_of_a_european_spreadsheet(encoding: str, tmp_path: Path) -> None:
+    """Of "Weg (µm)" the unit was lost, and the numbers were read in metres."""
+    path = tmp_path / "x.csv"
+    lines = [
+        "Zeit (s);Moment (Nm);Weg (µm);Winkel (°)",
+        *(f"{t:.3f};0;{1e6 * x:.3f};{9 + t:.3f}" for t, x in zip(T, X, strict=True)),
+    ]
+    path.write_bytes("\n".join(lines).encode(encoding))
+    record = read(path, SourceOptions("none", "Weg", "Zeit"))
+    assert record.position_unit == "m"
+    np.testing.assert_allclose(record.position, X, atol=1e-8)
+    assert read(path, SourceOptions("none", "Winkel", "Zeit")).position[0] == pytest.approx(9.0 * math.pi / 180.0)
+    cut = path.read_bytes()[:-2] + "µ".encode()[:1]  # in the middle of a character
+    if encoding == "utf-8":
+        path.write_bytes(cut)
+        assert read(path, SourceOptions("none", "Weg", "Zeit")).position_unit == "m"
+
+
 def of_digits(rate: float, digits: int, lost: tuple[int, ...] = (), count: int = 600) -> list[str]:
     """Lines whose stamps have so many digits: rounded ever more coarsely."""
     rows = [(t, math.sin(3.0 * t)) for i, t in enumerate(np.arange(count) / rate) if i not in lost]
@@ -407,6 +433,32 @@ def test_arrays_of_structures_and_cells_in_a_mat_file(tmp_path: Path) -> None:
     with pytest.raises(DataError) as refused:
         read(path)
     assert ", rig.log.of(31).Data and 11 more, which msd info lists: say which, by heading" in str(refused.value)
+
+
+def test_an_object_of_a_mat_file_is_no_column(tmp_path: Path) -> None:
+    """A Simulink dataset was a column of six samples: the handle of the object."""
+    h5py = pytest.importorskip("h5py")
+    path = tmp_path / "x.mat"
+
+    def write(**others: np.ndarray) -> None:
+        with h5py.File(path, "w", userblock_size=512) as file:
+            file["data"] = np.array([[3707764736, 2, 1, 1, 1, 1]], dtype=np.uint32)
+            file["data"].attrs["MATLAB_class"] = np.bytes_("Simulink.SimulationData.Dataset")
+            file["data"].attrs["MATLAB_object_decode"] = np.int32(3)
+            file["note"] = np.array([[114, 105, 103]], dtype=np.uint16)
+            file["note"].attrs["MATLAB_class"] = np.bytes_("char")
+            for name, values in others.items():
+                file[name] = values
+        with path.open("r+b") as raw:
+            raw.write(b"MATLAB 7.3 MAT-file".ljust(124) + b"\x00\x02IM")
+
+    write()
+    with pytest.raises(
+        DataError, match=r"no vector of numbers, data is an object \(Simulink.SimulationData.Dataset\);"
+    ):
+        describe(path)
+    write(position=X[None, :])
+    assert [topic.name for topic in describe(path).topics] == ["position"]
 
 
 def test_a_mat_file_of_version_7_3(tmp_path: Path) -> None:
