@@ -84,6 +84,9 @@ _LONG_TIME = {
 _MILLI_OR_MEGA = re.compile(r"M(N|V|A|N[·*.\s-]?m|m|s)")
 #: Units in brackets that are none of a position or force.
 _OTHER = {"hz", "kg", "g", "w", "j", "%", "c", "°c", "k", "pa", "mps", "dps", "rpm", "rps"}
+#: Those that no option takes; a position may be in volts or amperes, and either in per cent.
+_NEVER = frozenset(_OTHER - {"%", "c", "k"} | {*_TIME})
+_FORCES = frozenset(name for name, (unit, _) in _FORCE.items() if unit in ("N", "N·m"))
 _SYMBOLS = {*_LENGTH, *_FORCE, *_TIME, *_OTHER}
 #: Symbols that are one only in a product: as words alone they are names, such as a least value.
 _IN_PRODUCTS = {"min", "h", "km"}
@@ -106,6 +109,7 @@ class Quantity:
         default: unit where neither heading nor option says one.
         plain: units of a record in SI; the first is that of a scaled column whose heading says none of them.
         expected: what it is, in words.
+        never: units of something else, which no option takes; others that are not known may be the user's own.
     """
 
     option: str
@@ -113,10 +117,11 @@ class Quantity:
     default: str
     plain: tuple[str, str]
     expected: str
+    never: frozenset[str]
 
 
-FORCE = Quantity("force", _FORCE, "N", ("N", "N·m"), "a force, a torque, a voltage or a current")
-POSITION = Quantity("position", _LENGTH, "m", ("m", "rad"), "a length, an angle or counts")
+FORCE = Quantity("force", _FORCE, "N", ("N", "N·m"), "a force, a torque, a voltage or a current", _NEVER)
+POSITION = Quantity("position", _LENGTH, "m", ("m", "rad"), "a length, an angle or counts", _NEVER | _FORCES)
 
 
 def of_option(quantity: Quantity, given: str, scale: float | None) -> tuple[str, float]:
@@ -130,8 +135,14 @@ def of_option(quantity: Quantity, given: str, scale: float | None) -> tuple[str,
         scale: factor that the user gives, or ``None``.
 
     Raises:
-        UsageError: the scale is the factor of the unit, which would be applied twice.
+        UsageError: the unit is that of something else, or the scale is the factor of the unit, which would be applied
+            twice.
     """
+    if _plain(given) in quantity.never:
+        raise UsageError(
+            f"--{quantity.option}-unit {given} is no unit of {quantity.expected}; expected one, or a name of your own, "
+            "such as count"
+        )
     unit, factor = quantity.known.get(_plain(given), (given, 1.0))
     if scale is not None and factor != 1.0 and math.isclose(abs(scale), factor, rel_tol=1e-3):
         option = f"--{quantity.option}"

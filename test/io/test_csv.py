@@ -603,3 +603,13 @@ def test_other_stamps_stay_seconds(tmp_path: Path, step: float) -> None:
     record = read_text(tmp_path, table(header="time,force,position", rows=rows))
     np.testing.assert_allclose(record.time, step * np.arange(40), rtol=1e-12)
     assert record.notes == ()
+
+
+@pytest.mark.parametrize(
+    ("option", "unit"), [("position", "kg"), ("position", "N"), ("position", "ms"), ("force", "kg"), ("force", "rpm")]
+)
+def test_a_unit_of_something_else_is_refused(option: str, unit: str) -> None:
+    with pytest.raises(UsageError, match=f"--{option}-unit {unit} is no unit of a .*; expected one, or a name of your"):
+        SourceOptions(**{f"{option}_unit": unit})
+    for own in ("count", "V", "%", "cmd", "digits"):
+        assert getattr(SourceOptions(**{f"{option}_unit": own}), f"as_{option}") == (own, 1.0)
