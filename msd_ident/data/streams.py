@@ -260,9 +260,18 @@ def _late(stream: _Stream, stamps: Stamps, data: FloatArray, taken_back: npt.NDA
 
 def _why_late(stamps: Stamps) -> str:
     """Why stamps run backwards, and what to do."""
-    if np.all(np.diff(stamps) <= 0):
+    steps = np.diff(stamps)
+    if np.all(steps <= 0):
         return "they run from the end to the beginning, sort them by time"
-    return "the recording was looped or its clock was reset, use one pass of it"
+    looped = "the recording was looped or its clock was reset, use one pass of it"
+    top = int(np.argmax(stamps[: np.flatnonzero(steps < 0)[0] + 1]))
+    if np.all(np.diff(np.delete(stamps, top)) > 0):
+        return f"sample {top + 1} alone is out of place, remove it; or {looped}"
+    intervals = np.diff(np.sort(stamps))
+    even = np.abs(intervals - np.median(intervals)) < 0.25 * np.median(intervals)
+    if np.count_nonzero(steps < 0) > max(10, stamps.size // 10) and np.mean(even) > 0.9:
+        return "their order is that of something else, sort them by time"
+    return looped
 
 
 def _repeated(stamps: Stamps, data: FloatArray, late: npt.NDArray[np.int64]) -> npt.NDArray[np.bool_]:

@@ -42,8 +42,9 @@ from msd_ident.selection.hypothesis import COULOMB, Hypothesis
 from msd_ident.selection.ranking import DECISIVE
 
 NO_SCALE = (
-    "Neither mass nor damping nor stiffness is known to within its value, so no parameter with a unit of force is: "
-    "push harder or longer, or cut the record to a stretch that the force moves (--start, --end)."
+    "Neither mass nor damping nor stiffness is known to within its value, so no parameter with a unit of force is, "
+    "but for those of the force signal itself: push harder or longer, or cut the record to a stretch that the force "
+    "moves (--start, --end)."
 )
 
 

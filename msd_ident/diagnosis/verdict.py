@@ -181,6 +181,7 @@ def _lacks(causes: Sequence[Cause]) -> str:
 def _named(causes: Sequence[Cause]) -> str:
     words = [
         f"{spoken(cause.name)} (probability {probability(cause.probability)}{', in whatever law' * cause.in_any_law})"
+        f"{' or a cause that looks like it' * (likely(cause) and not cause.probability > 0.5)}"
         for cause in causes
     ]
     return words[0] if len(words) == 1 else ", ".join(words[:-1]) + " and " + words[-1] if words else ""

@@ -94,8 +94,9 @@ class Cut:
         """A sentence on each record that was cut, and why."""
         return " ".join(
             f"The motion of {record.name} is unstable: what moves the joint a little moves it more than "
-            f"{NATURAL_RANGE:.0f} times as far later on, so no simulation follows the whole record. It was cut into "
-            f"{'1 stretch' if count == 1 else f'{count} stretches, each'} with its own start"
+            f"{NATURAL_RANGE:.0f} times as far later on, so no simulation follows the whole record. "
+            f"{'One stretch of it is used,' if count == 1 else f'It was cut into {count} stretches, each'} with its "
+            "own start"
             f"{f', of which {len(parts)} are used' if len(parts) < count else ''}. Angles count from where the joint "
             f"hangs, {zero:.3g} {record.position_unit} by the encoder."
             for record, parts, count, zero in zip(self.whole, self.parts, self.counts, self.zeros, strict=True)

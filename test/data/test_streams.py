@@ -126,6 +126,17 @@ def test_one_stamp_in_the_future_is_no_reversed_table() -> None:
         from_stamps(told, np.arange(51.0), ns[:1], [0.0])
 
 
+def test_a_table_that_is_sorted_by_another_column_or_has_one_wrong_stamp_is_told_so() -> None:
+    """The recording was said to be looped, "107 samples in all" of which came before a first stamp of 1.074 s."""
+    time = 0.01 * np.arange(2000)
+    wrong = np.append(1.074, time[1:])
+    with pytest.raises(DataError, match="rising stamps: sample 1 alone is out of place, remove it; or the recording"):
+        from_seconds(wrong, np.sin(time), [0.0], [0.0])
+    order = np.argsort(np.sin(7.0 * time))
+    with pytest.raises(DataError, match="their order is that of something else, sort them by time"):
+        from_seconds(time[order], np.sin(7.0 * time)[order], [0.0], [0.0])
+
+
 def test_forces_that_jump_back_within_the_record_are_refused() -> None:
     ns = 10**18 + 10**7 * np.arange(200, dtype=np.int64)
     places = [*range(100), *range(50, 150)]

@@ -21,6 +21,7 @@ from msd_ident.model.effects.buffered_stop import BufferedStop
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.cubic_spring import CubicSpring
 from msd_ident.model.effects.force_offset import ForceOffset
+from msd_ident.model.parameters import FORCES
 from msd_ident.model.rest import slope_at_rest
 from msd_ident.residuals.noise_model import prepare
 from msd_ident.selection.evidence import NoiseScale
@@ -174,3 +175,9 @@ def test_over_a_few_swings_unseen_friction_takes_no_more_than_all_damping(seed: 
     damping = found.base.quantities["damping"]
     assert found.verdict == "adequate"
     assert abs(damping.value - 0.0345) < 1.96 * damping.std < 2.2 * 0.0345
+
+
+def test_what_is_a_place_in_the_force_signal_stays_known_where_no_force_is() -> None:
+    """ "No parameter with a unit of force is known" stood beside a dead zone of 18.7 ± 6.4 %."""
+    assert "dead_zone" not in FORCES and "mass" in FORCES
+    assert "no parameter with a unit of force is, but for those of the force signal itself: push" in intervals.NO_SCALE

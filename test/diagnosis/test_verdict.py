@@ -61,6 +61,8 @@ def test_the_rules_in_their_order(causes: tuple[Cause, ...], remainder: Remainde
           "than the tolerance of 1 %", "DEPENDS"]),
         ("ambiguous", [cause(0.6, ("hysteresis",))], left(0.4), ["but this data cannot tell Coulomb friction from "
           "hysteresis (one of them acts: probability 97.0 %)."]),
+        ("ambiguous", [cause(0.025, ("hysteresis",))], left(0.4), ["The model lacks Coulomb friction (probability "
+          "2.5 %) or a cause that looks like it, but this data cannot tell Coulomb friction from hysteresis (one of"]),
         ("ambiguous", [cause(0.6)], left(0.4), ["Whether Coulomb friction acts at all is not certain."]),
         ("ambiguous", [cause(0.6), cause(0.7, (), "bouc_wen")], left(0.4), ["Whether Coulomb friction and Bouc-Wen act "
           "at all is not certain."]),

@@ -118,3 +118,11 @@ def test_an_inverted_encoder_of_an_axis_without_a_spring_is_seen(drive: str, fri
     inverted = replace(record, position=-record.position)
     assert not prepare([record]).turned and prepare([inverted]).turned
     assert pipeline.identify([inverted]).refined.model["mass"] == pytest.approx(1.0, rel=0.02)
+
+
+def test_a_refusal_of_a_record_with_few_samples_a_swing_may_say_so() -> None:
+    """A tuning fork of 439 Hz, read at 1 kHz: "a hand may have moved the cart" alone stood in the refusal."""
+    time = 1e-3 * np.arange(4000)
+    record = from_samples(time, np.zeros(4000), 1e-3 * np.exp(-time) * np.cos(2.0 * np.pi * 438.7 * time + 0.3))
+    (said,) = prepare([record]).doubtful_units
+    assert "samples; expected 12 or more: sample at" in said

@@ -112,6 +112,8 @@ def test_of_many_stretches_some_are_used_and_that_is_said(monkeypatch: pytest.Mo
     assert whole is not None and found is not None and found.counts == whole.counts == (len(whole.records),)
     assert f"cut into {len(whole.records)} stretches, each with its own start, of which 3 are used." in found.said
     assert "are used" not in whole.said
+    one = replace(found, parts=((found.parts[0][0],),), counts=(1,))
+    assert "follows the whole record. One stretch of it is used, with its own start. Angles count" in one.said
     assert [part.time[0] for part in found.records] == [
         whole.records[i].time[0] for i in unstable_motion._spread(len(whole.records), 3)
     ]
