@@ -11,10 +11,14 @@ from msd_ident.errors import MsdError
 
 if TYPE_CHECKING:
     from rich.console import Console
+    from rich.table import Table
 
     from msd_ident.data.quality import Finding
     from msd_ident.data.record import Record
     from msd_ident.io import BagInfo, SourceOptions
+
+#: Narrowest column of types.
+_TYPE = 8
 
 
 @groups.grouped("json", "overwrite")
@@ -116,22 +120,12 @@ def _notes(found: _Contents) -> tuple[str, ...]:
 
 def _show(found: _Contents, console: Console) -> None:
     from rich.markup import escape
-    from rich.table import Table
 
     info = found.info
     console.print(f"[bold]{escape(info.path)}[/bold]", soft_wrap=True)
     unit = "lines" if info.is_table else "messages"
     console.print(f"{info.kind}, {info.messages} {unit} in {info.duration:.3f} s{_start(info.start_ns)}\n")
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    table.add_column("column" if info.is_table else "topic", overflow="fold")
-    table.add_column("type", overflow="fold")
-    for name in ("number", "rate, Hz", "longest gap, s"):
-        table.add_column(name, justify="right", overflow="fold")
-    for topic in info.topics:
-        table.add_row(
-            escape(topic.name), topic.type, str(topic.messages), _number(topic.rate), _number(topic.longest_gap)
-        )
-    console.print(table)
+    console.print(_topics(info, console.width))
     console.print()
     _show_signals(found, console)
     for finding in found.findings:
@@ -140,6 +134,27 @@ def _show(found: _Contents, console: Console) -> None:
     for note in _notes(found):
         console.print(f"note: {escape(note)}")
     console.print()
+
+
+def _topics(info: BagInfo, width: int) -> Table:
+    """Topics or columns; names are whole where types can be folded for it, since options take them."""
+    from rich.markup import escape
+    from rich.table import Table
+
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    heads = ("column" if info.is_table else "topic", "type", "number", "rate, Hz", "longest gap, s")
+    rows = [
+        (escape(topic.name), topic.type, str(topic.messages), _number(topic.rate), _number(topic.longest_gap))
+        for topic in info.topics
+    ]
+    widths = [max(map(len, column)) for column in zip(heads, *rows, strict=True)]
+    room = width - sum(widths) + widths[1] - 2 * (len(heads) - 1)
+    for place, head in enumerate(heads):
+        most = room if place == 1 and room >= _TYPE else None
+        table.add_column(head, justify="left" if place < 2 else "right", overflow="fold", max_width=most)
+    for row in rows:
+        table.add_row(*row)
+    return table
 
 
 def _show_signals(found: _Contents, console: Console) -> None:

@@ -58,6 +58,15 @@ def test_a_bag_is_shown_in_80_columns(tmp_path: Path, info) -> None:
     assert max(map(len, out.splitlines()[1:])) <= 80
 
 
+def test_a_topic_of_a_bag_is_shown_in_one_line(repository: Path, info) -> None:
+    """ "/msd/identifier/estima" and "te" below it cannot be given to an option."""
+    _, out, _ = info(repository / "bags" / "paper_step")
+    rows = [line.split() for line in out.splitlines() if line.startswith("/msd/")]
+    assert [row[0] for row in rows] == ["/msd/encoder", "/msd/force", "/msd/identifier/estimate"]
+    assert [row[2:] for row in rows] == [["6933", "999.4", "0.03986"], ["3", "0.5547", "3.016"], ["1", "–", "–"]]
+    assert max(map(len, out.splitlines()[1:])) <= 80
+
+
 def test_findings_and_notes_are_shown(tmp_path: Path, info) -> None:
     messages = step_experiment()
     path = storage(make_bag(tmp_path / "bag", messages[:150] + messages[250:]))
