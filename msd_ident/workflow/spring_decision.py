@@ -255,7 +255,7 @@ def _sentence(sprung: bool, held: FitResult, free: FitResult, records: tuple[Rec
         found = (
             f"{fitted} ± {Z95 * stiffness.std:.2g} {stiffness.unit} (95 %)"
             f"{'' if forced else ' for one unit of mass'}{likelier}"
-            f"{f'; it carries {two_digits(share)} % of the force' if forced else ''}"
+            f"{_carried(share) if forced else ''}"
         )
     # A model with a spring holds the one without: a smaller error there is a fit that did not come to its end.
     change = f"without it the error is {_times(max(free.see / held.see, 1.0))}as large"
@@ -264,6 +264,13 @@ def _sentence(sprung: bool, held: FitResult, free: FitResult, records: tuple[Rec
         return f"{said} use --model no_spring."
     said = f"No response shows a spring, and none is assumed: {found}, and {change}. If there is one,"
     return f"{said} use --model spring."
+
+
+def _carried(share: float) -> str:
+    """What a spring carries, in words: at resonance more than is applied."""
+    if share > 200.0:
+        return f"; its force is {two_digits(0.01 * share)} times the applied one"
+    return f"; it carries {two_digits(share)} % of the force"
 
 
 def _likelihood(stiffness: Quantity) -> str:

@@ -150,6 +150,15 @@ def test_the_spring_of_a_controlled_cart_is_kept() -> None:
         assert "If there is none, use --model no_spring." in sentences(found)
 
 
+@pytest.mark.parametrize(("omega", "says"), [(26.0, "; its force is "), (5.0, "; it carries 1")])
+def test_a_spring_that_swings_carries_more_than_is_applied(omega: float, says: str) -> None:
+    """At resonance, of a spring of 700 N/m under 1 kg: "it carries 540 % of the force"."""
+    record = open_loop(3.0 * np.sin(omega * T) + 3.0 * np.sin(0.3 * omega * T))
+    free = fit(Plant(1.0, 3.0, 0.0), record, fixed=("stiffness",))
+    said = spring_decision._sentence(True, fit(Plant(1.0, 3.0, 700.0), record), free, (record,))
+    assert says in said and ("times the applied one, and without" in said) is (omega > 10.0)
+
+
 def test_a_fit_with_a_spring_that_did_not_end_makes_the_error_without_one_no_smaller() -> None:
     """Of a measured motor it was said that "without it the error is 0.72 times as large"."""
     record = open_loop(3.0 * np.sin(T) + np.sin(7.0 * T), stiffness=0.0)
