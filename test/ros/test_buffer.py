@@ -152,6 +152,23 @@ def test_the_force_that_acts_outlasts_a_clearing() -> None:
         assert record.force_time[0] <= 0.0 or not first
 
 
+@pytest.mark.parametrize("taken_back", [True, False])
+def test_a_clearing_knows_what_was_taken_back_and_what_was_sent_ahead(taken_back: bool) -> None:
+    """A run sends 5 N ahead of its instant; a stop takes it back with 0 at the same stamp, and did so for nothing."""
+    ns = stamps(400)
+    buffer = LiveBuffer(10_000)
+    for at in ns[:100]:
+        buffer.add_position(at, 0.5)
+    for at, force in ((ns[0], 1.0), (ns[98], 5.0), (ns[110], 5.0), *(((ns[99], 0.0), (ns[110], 0.0)) * taken_back)):
+        buffer.add_force(at, force)
+    buffer.clear()
+    for at in ns[105:]:
+        buffer.add_position(at, 0.5)
+    record = buffer.record()
+    assert set(record.force.tolist()) == ({0.0} if taken_back else {5.0})
+    assert record.force_time.tolist()[-1] == pytest.approx((ns[110] - ns[105]) / 1e9)
+
+
 def test_the_force_that_acts_outlasts_a_clearing_and_a_clock_that_is_set_back() -> None:
     ns = stamps(200)
     buffer = LiveBuffer(10_000)

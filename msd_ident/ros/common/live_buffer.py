@@ -194,14 +194,19 @@ class LiveBuffer:
         )
 
     def clear(self) -> None:
-        """Forget all samples; the counts go on, and so does the force that acts, which is not told again."""
+        """Forget all samples; the counts go on, and so do the force that acts, which is not told again, and forces that
+        were sent ahead.
+        """
         with self._lock:
-            if self.force.size:
-                ns, values = self.force.samples()
-                newest = int(np.argmax(ns))
-                self._acting = (int(ns[newest]), float(values[newest]))
+            sent, forces = self.force.samples()
+            ns, latest = np.unique(sent[::-1], return_index=True)  # of one stamp, the one that came last counts
+            values = forces[::-1][latest]
+            now = self.position.newest_ns if self.position.size else np.iinfo(np.int64).max
+            if (acted := np.count_nonzero(ns <= now)) > 0:
+                self._acting = (int(ns[acted - 1]), float(values[acted - 1]))
             self.position.clear()
             self.force.clear()
+            self.force.extend(ns[acted:], values[acted:])
             self._suspect, self._dropped = None, 0
 
     def begin_anew(self) -> None:
