@@ -11,6 +11,7 @@ import numpy.typing as npt
 from msd_ident.data.record import MINIMUM_SAMPLES, FloatArray, Hold, Origin, Record, check_finite
 from msd_ident.data.turns import unwrapped
 from msd_ident.errors import DataError
+from msd_ident.quantity import counted
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -145,7 +146,7 @@ class _Stream:
         what: position or force.
         tick: unit of its stamps [s].
         begin: stamp of the first position, where these are forces.
-        replaced: a later sample replaces an earlier one with the same stamp.
+        replaced: a sample may replace one with the same stamp, which was sent ahead of its instant.
     """
 
     what: str
@@ -163,13 +164,14 @@ def _ordered(stream: _Stream, stamps: Stamps, values: npt.ArrayLike, notes: list
     if stamps.size == 0:
         raise DataError(f"no {what} samples; expected at least one: check that the {what} was published and recorded")
     check_finite(np.asarray(stamps, dtype=np.float64), f"{what} time")
-    taken_back = _taken_back(stamps, data) if stream.replaced else np.zeros(stamps.size, dtype=np.bool_)
+    again = _sent_again(stamps) if stream.replaced else np.zeros(stamps.size, dtype=np.bool_)
+    taken_back = _taken_back(stamps, data, again)
     late = _late(stream, stamps, data, taken_back)
     if late:
         notes.append(f"{what}: {late} of {stamps.size} samples came late and were sorted by their stamps.")
     if stream.begin is not None and (early := _out_of_order(stamps, stream.begin)):
         notes.append(f"{what}: {early} samples from before the positions came out of order and were sorted.")
-    unique, kept = _kept(stamps, stream.replaced)
+    unique, kept = _kept(stamps, again)
     dropped = stamps.size - unique.size
     if what == "position" and unique.size < MINIMUM_SAMPLES <= stamps.size:
         raise DataError(
@@ -188,22 +190,31 @@ def _ordered(stream: _Stream, stamps: Stamps, values: npt.ArrayLike, notes: list
     return unique, data[kept]
 
 
-def _kept(stamps: Stamps, replaced: bool) -> tuple[Stamps, npt.NDArray[np.int64]]:
-    """Rising stamps, and which sample counts for each: the last one that came, or else the first."""
-    if not replaced:
-        return np.unique(stamps, return_index=True)
-    unique, last = np.unique(stamps[::-1], return_index=True)
-    return unique, stamps.size - 1 - last
+def _sent_again(stamps: Stamps) -> npt.NDArray[np.bool_]:
+    """Which samples have a stamp that was there before an older one came: sent ahead of its instant, and once more.
+
+    Neighbours with one stamp are not among them: they are samples of a clock that ticks rarely.
+    """
+    unique, first = np.unique(stamps, return_index=True)
+    fell = np.diff(stamps, prepend=stamps[:1]) < 0
+    fallen = np.maximum.accumulate(np.where(fell, np.arange(stamps.size), -1))
+    return np.asarray(first[np.searchsorted(unique, stamps)] < fallen, dtype=np.bool_)
 
 
-def _taken_back(stamps: Stamps, data: FloatArray) -> npt.NDArray[np.bool_]:
+def _kept(stamps: Stamps, again: npt.NDArray[np.bool_]) -> tuple[Stamps, npt.NDArray[np.int64]]:
+    """Rising stamps, and which sample counts for each: the last one that was sent again, or else the first."""
+    unique, kept = np.unique(stamps, return_index=True)
+    resent = np.flatnonzero(again)
+    kept[np.searchsorted(unique, stamps[resent])] = resent
+    return unique, kept
+
+
+def _taken_back(stamps: Stamps, data: FloatArray, again: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
     """Which forces are a 0 that takes the place of a force that was sent ahead of its instant.
 
     Who stops sends 0 with the present stamp, and then 0 with each stamp ahead, which is there already.
     """
-    unique, first = np.unique(stamps, return_index=True)
-    again = first[np.searchsorted(unique, stamps)] < np.arange(stamps.size)
-    back = np.asarray((data == 0.0) & again, dtype=np.bool_)
+    back = np.asarray(again & (data == 0.0), dtype=np.bool_)
     back[:-1] |= (data[:-1] == 0.0) & (stamps[:-1] < stamps[1:]) & back[1:]
     return back
 
@@ -253,7 +264,7 @@ def _late(stream: _Stream, stamps: Stamps, data: FloatArray, taken_back: npt.NDA
         i = int(late[np.argmax(far)])  # the first one if none is far
         raise DataError(
             f"{what} stamps run backwards: {behind[i]:.3f} s back at sample {i + 1} of {stamps.size} "
-            f"({late.size} samples in all); expected rising stamps: {_why_late(stamps)}"
+            f"({counted(int(late.size), 'sample')} in all); expected rising stamps: {_why_late(stamps)}"
         )
     return int(late.size)
 
@@ -264,9 +275,10 @@ def _why_late(stamps: Stamps) -> str:
     if np.all(steps <= 0):
         return "they run from the end to the beginning, sort them by time"
     looped = "the recording was looped or its clock was reset, use one pass of it"
-    top = int(np.argmax(stamps[: np.flatnonzero(steps < 0)[0] + 1]))
-    if np.all(np.diff(np.delete(stamps, top)) > 0):
-        return f"sample {top + 1} alone is out of place, remove it; or {looped}"
+    fell = int(np.flatnonzero(steps < 0)[0])
+    for alone in (fell, fell + 1):  # too late a stamp, or too early a one
+        if np.all(np.diff(np.delete(stamps, alone)) > 0):
+            return f"sample {alone + 1} alone is out of place, remove it; or {looped}"
     intervals = np.diff(np.sort(stamps))
     even = np.abs(intervals - np.median(intervals)) < 0.25 * np.median(intervals)
     if np.count_nonzero(steps < 0) > max(10, stamps.size // 10) and np.mean(even) > 0.9:

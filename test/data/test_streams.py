@@ -91,6 +91,24 @@ def test_forces_that_are_taken_back_did_not_act(period: int, ahead: int) -> None
     assert record.notes == (f"{dropped}, {ahead} of them replaced by a 0 that was sent later.",)
 
 
+def test_of_forces_of_a_clock_that_ticks_rarely_the_first_one_of_a_tick_counts() -> None:
+    """As of the positions beside it. No 0 among them takes anything back."""
+    ns = 10**18 + 2 * 10**7 * (np.arange(2000, dtype=np.int64) // 20)
+    force = np.where(np.arange(2000) % 7 < 4, 5.0, 0.0)
+    record = from_stamps(ns, np.arange(2000.0), ns, force)
+    np.testing.assert_array_equal(record.force, force[::20])
+    (said,) = [note for note in record.notes if note.startswith("force: ")]
+    assert "with another value: their clock ticks every 0.02 s" in said and "sent later" not in said
+
+
+@pytest.mark.parametrize(("place", "stamp"), [(500, -5.0), (500, 0.0), (300, 60.0)])
+def test_one_stamp_out_of_place_is_named(place: int, stamp: float) -> None:
+    time = 0.01 * np.arange(1000) + 1.0
+    time[place] = stamp
+    with pytest.raises(DataError, match=f"in all.*sample {place + 1} alone is out of place, remove it"):
+        from_seconds(time, np.arange(1000.0), time[:1], [0.0])
+
+
 def test_a_table_keeps_the_first_line_of_a_stamp() -> None:
     """Its lines are no messages, of which a later one replaces an earlier one."""
     record = from_seconds(np.repeat(T, 2), np.repeat(X, 2), np.repeat(T, 2), np.tile([1.0, 0.0], T.size))
