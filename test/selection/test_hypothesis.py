@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 import pytest
@@ -16,11 +17,14 @@ from msd_ident.data.record import from_samples
 from msd_ident.errors import UsageError
 from msd_ident.estimate.problem import Initial
 from msd_ident.model import Plant, simulate
+from msd_ident.model.effects import by_name
 from msd_ident.model.effects.backlash import Backlash
 from msd_ident.model.effects.buffered_stop import BufferedStop
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
+from msd_ident.model.effects.cubic_spring import CubicSpring
 from msd_ident.model.effects.end_stop import EndStop
 from msd_ident.model.effects.force_offset import ForceOffset
+from msd_ident.model.effects.gravity import Gravity
 from msd_ident.model.effects.periodic_disturbance import PeriodicDisturbance
 from msd_ident.model.effects.smooth_friction import SmoothFriction
 from msd_ident.model.effects.smooth_stribeck_friction import SmoothStribeckFriction
@@ -29,6 +33,18 @@ from msd_ident.selection.hypothesis import causes_that_fit, imitated, without
 from msd_ident.selection.hypothesis_fit import refine
 
 RUB = CoulombFriction(0.3)
+
+
+def test_whatever_stands_beside_it_an_effect_takes_the_place_of_another_one() -> None:
+    """Beside gravity a spring that softens was to become gravity, which then stood in the model twice."""
+    for one, other in combinations(EXAMPLES, 2):
+        if causes_that_fit(frozenset({one, other})):
+            model = Plant(1.0, 2.0, 400.0) + by_name(one)(**EXAMPLES[one]) + by_name(other)(**EXAMPLES[other])
+            soft = {name: -1.0 for name in ("cubic_stiffness", "power_force") if name in model.names}
+            for either in (model, model.with_values(soft)):
+                assert all(causes == frozenset(there.effect_names) for causes, there in imitated(either).items())
+    weighed = imitated(Plant(1.0, 2.0, 5.0) + Gravity(2.0) + CubicSpring(-0.5))
+    assert weighed[frozenset({"gravity"})] == Plant(1.0, 2.0, 0.0) + Gravity(7.0)
 
 
 def test_what_stops_and_a_play_come_to() -> None:

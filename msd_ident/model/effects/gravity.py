@@ -71,12 +71,12 @@ class Gravity(Effect):
         spring that softens alike both ways, as k·x - k·x³/6 begins k·sin(x).
         """
         term = _ripple(other)
+        others = tuple(effect for effect in model.effects if effect.name not in (other.name, cls.name))
         if _softens(other) and model.stiffness > 0.0:
-            others = tuple(effect for effect in model.effects if effect is not other)
-            return replace(model, stiffness=0.0, effects=(*others, cls(model.stiffness)))
+            weight = model.stiffness + sum(one.gravity_moment for one in model.effects if isinstance(one, cls))
+            return replace(model, stiffness=0.0, effects=(*others, cls(weight)))
         if term is None or not 0.5 < math.log2(getattr(other, term.scanned) / math.pi) < 1.5:
             return None
-        others = tuple(effect for effect in model.effects if effect.name not in (other.name, cls.name))
         return replace(model, effects=(*others, cls(getattr(other, term.amplitude))))
 
     def zero_in(self, model: Model) -> float:
