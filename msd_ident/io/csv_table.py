@@ -33,8 +33,8 @@ _COMMENT = re.compile(r"(?:^|(?<=\s))#(?![A-Z]+(?:/0)?[!?]).*$")
 _STUMP = re.compile(r"[-+]\.?|\.|[-+]?[\d.,]+[eE][-+]?")
 #: Digits with colons between them.
 _LIKE_TIME = re.compile(r"[\d.,]+(?::[\d.,]+)+")
-#: A line that is drawn under the names.
-_RULE = re.compile(r"[|+:\s]*(?:[-=_~*]{3,}[|+:\s]*)+")
+#: What a line is drawn of under the names, and what stands between its parts.
+_DRAWN, _BETWEEN = re.compile(r"[-=_~*]{3}"), frozenset("-=_~*|+:;, \t")
 #: What stands for a byte that is none of the encoding.
 _UNREADABLE = "\ufffd"
 #: Lines in which a header of keys and values is looked for.
@@ -238,7 +238,7 @@ class Table:
             elif line and holds_numbers(line, texts[-1] if texts else "", self._text[position : position + _AHEAD]):
                 header = with_units(texts) if texts else comment  # numpy.savetxt comments its header
                 return self._layout(header, line, number, self._text[position : position + _AHEAD])
-            elif line and not _RULE.fullmatch(line):
+            elif line and not (_BETWEEN.issuperset(line) and _DRAWN.search(line)):
                 texts.append(line)
             number += 1
         if matlab_matrix.is_script(self._text):
