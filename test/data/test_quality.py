@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.signal import lsim
 
 from msd_ident.data.motion import observe
 from msd_ident.data.quality import (
@@ -277,6 +278,19 @@ def test_a_motor_that_is_switched_off_hits_no_stop(then: float, codes: list[str]
     turned = 0.0005 * np.round((begun + 0.01 * np.sin(9.0 * driven)) / 0.0005)
     motor = Record(time, turned, time, drive, force_unit="V", position_unit="rad")
     assert [one.code for one in check(motor) if "position" in one.code] == codes
+
+
+def test_a_clipped_encoder_is_told_under_a_force_that_switches() -> None:
+    """A force that falls just as the readings stop, and comes again while they stand, is no motor's that goes away."""
+    time = 0.002 * np.arange(6000)
+    rng = np.random.default_rng(8)
+    told = 0
+    for _ in range(10):
+        force = np.repeat(rng.choice([-4.0, 4.0], 400), 15) + 3.0 * np.sin(2.0 * time)
+        moved = lsim(([1.0], [0.5, 1.5, 60.0]), force, time)[1]
+        seen = 1e-6 * np.round(np.minimum(moved, 0.6 * np.max(moved)) / 1e-6)
+        told += "clipped_position" in [one.code for one in check(from_samples(time, force, seen))]
+    assert told == 10
 
 
 def test_a_stop_that_gives_way_a_little_is_the_end_of_the_range() -> None:

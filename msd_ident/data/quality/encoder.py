@@ -54,10 +54,11 @@ def frozen_encoder(record: Record, motion: Motion) -> Iterator[Finding]:
 
 def _let_go(record: Record, still: Standstill) -> bool:
     """Whether what drove the cart went away as the standstill began: behind a gear a motor stops dead then."""
-    before, arrived = still.first - _AROUND, still.first + 1
+    before, arrived, end = still.first - _AROUND, still.first + 1, still.first + still.size
     ahead = math.copysign(1.0, still.value - float(record.position[before]))
-    pushed, pushes = ahead * record.force_at(record.time[[before, arrived]])
-    return bool(pushed > 0.0 and pushes < _GONE * pushed)
+    pushed = float(np.min(ahead * record.force_at(record.time[before : still.first - 1])))
+    pushes = float(np.max(ahead * record.force_at(record.time[arrived:end])))
+    return pushed > 0.0 and pushes < _GONE * pushed
 
 
 def resolution(record: Record, motion: Motion) -> Iterator[Finding]:
