@@ -87,7 +87,7 @@ def identify(
     decision = has_spring(prepared, options)
     progress("fitting all parameters", 0.3)
     joint, shifted = _joint(prepared, decision.sprung, options)
-    explained.check(joint.residuals, records, "mass, damping, stiffness and dry friction", prepared.doubtful_units)
+    explained.check(joint.residuals, records, "mass, damping, stiffness and dry friction", prepared.doubtful_data)
     heard = _heard(joint, records, options)
     joint = heard or joint
     progress("the linear model", 0.6)
@@ -99,7 +99,8 @@ def identify(
     floor = joint.noise_floor
     doubts = _doubts(joint, records, only_noise=heard is not None)
     blamed = _blamed(prepared, joint, decision.sprung, options) if any(_LACKS in one for one in doubts) else ""
-    warnings = prepared.warnings + decision.said + _runaway(original) + ((blamed,) if blamed else doubts)
+    doubts = tuple(blamed if blamed and _LACKS in one else one for one in doubts)
+    warnings = prepared.warnings + decision.said + _runaway(original) + doubts
     progress("done", 1.0)
     return Identification(
         records=records,

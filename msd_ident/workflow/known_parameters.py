@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 from msd_ident.data.record import Record
 from msd_ident.errors import UsageError
+from msd_ident.estimate.levels import TENTH
 from msd_ident.estimate.parameter_units import exponents, unit_in
 from msd_ident.model import Model
 from msd_ident.model.effects import Parameter
@@ -148,7 +149,7 @@ def contradicted(known: Sequence[Known], fitted: Mapping[str, Quantity], factor:
         fitted: values of a model that fits them too, and leaves only noise.
         factor: error with the known values over that of the fitted ones.
     """
-    said = []
+    said, thousands = [], False
     for one in known:
         found = fitted.get(one.name)
         if found is None or not found.known:
@@ -157,12 +158,14 @@ def contradicted(known: Sequence[Known], fitted: Mapping[str, Quantity], factor:
         if not band.low <= one.value <= band.high:
             digits = max(1 - math.floor(math.log10(Z95 * found.std)), 0) if found.std > 0.0 else 6
             interval = f"{found.value:.{digits}f} ± {Z95 * found.std:.2g}"
+            thousands |= any(math.isclose(found.value, times * one.value, rel_tol=TENTH) for times in (1e3, 1e-3))
             said.append(f"{one.name} is given as {one.value:g}, and is {interval} {found.unit} by the data")
     if not said:
         return ""
     return (
         f"With the known values the error is {factor:.3g} times that of the same model with all values fitted, which "
-        f"leaves only noise: {'; '.join(said)}. Check the value, or leave it away."
+        f"leaves only noise: {'; '.join(said)}. Check the value, or leave it out."
+        f"{' Or is a unit of the record wrong by a factor of 1000?' if thousands else ''}"
     )
 
 

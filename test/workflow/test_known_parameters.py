@@ -17,9 +17,10 @@ from msd_ident.io import write_csv
 from msd_ident.model import Plant, simulate
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.quadratic_drag import QuadraticDrag
+from msd_ident.quantity import Quantity
 from msd_ident.workflow import pipeline
 from msd_ident.workflow.identification import Identification
-from msd_ident.workflow.known_parameters import Known, check, parse, parse_all
+from msd_ident.workflow.known_parameters import Known, check, contradicted, parse, parse_all
 
 RIG = Plant(mass=0.8, damping=0.5, stiffness=200.0) + CoulombFriction(0.05)
 
@@ -79,6 +80,16 @@ def test_a_known_value_that_the_data_contradicts_is_named() -> None:
     assert "stiffness is given" not in said and "the model lacks something" not in said
     assert "Check the value" not in warned(pushed(), "mass=0.8", "stiffness=200")
     assert "the model lacks something" in warned(pushed(20.0), "mass=0.75"), "its laws are wrong with any mass"
+
+
+def test_a_unit_that_is_wrong_by_a_thousand_is_told_beside_a_known_value() -> None:
+    """A force in mN: that the known mass is wrong took the place of the doubt."""
+    record = replace(pushed(), force=1e3 * pushed().force)
+    said = pipeline.identify([record], pipeline.Options(known=parse_all(["mass=2000"]))).warnings
+    assert any(one.startswith("The mass is 2000 kg: is a unit wrong by a factor of 1000?") for one in said)
+    assert any("by the data. Check the value, or leave it out." in one for one in said)
+    right = contradicted(parse_all(["mass=0.8"]), {"mass": Quantity(800.1, 0.01, "kg")}, 30.0)
+    assert right.endswith("or leave it out. Or is a unit of the record wrong by a factor of 1000?")
 
 
 def test_known_values_stand_in_the_result() -> None:
