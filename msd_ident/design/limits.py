@@ -26,7 +26,7 @@ class Limits:
         travel: how far the encoder may read to either side of where the cart is at the start [m, or the unit of
             the records]; 0 lies between.
         duration: of one experiment [s].
-        speed: greatest [m/s]; infinite for no limit.
+        speed: greatest [m/s, or that unit a second]; infinite for no limit.
 
     Raises:
         UsageError: limits that leave no room.

@@ -62,7 +62,7 @@ def diagnose(
         if cut is not None:
             diagnosis = _in_stretches(prepared, cut, options, progress)
     judged, holds = _judged(diagnosis)
-    moved, doubts = diagnosis.records, prepared.doubtful_units
+    moved, doubts = diagnosis.records, prepared.doubtful_data
     if cut is not None:
         moved, doubts = unstable_motion.beside_their_starts(moved), (*doubts, cut.said)
     explained.check(judged.residuals, moved, holds, doubts, diagnosed=True)

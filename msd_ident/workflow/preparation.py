@@ -24,7 +24,7 @@ from msd_ident.workflow import force_hold, force_lead, turned_force
 from msd_ident.workflow.starting_plant import plant_of, typical_plant
 
 #: What quality finds where a unit is doubtful, or there are too few samples to follow the motion.
-_UNITS = {"wrong_unit", "wrong_time_unit", "low_rate"}
+_DOUBTFUL = {"wrong_unit", "wrong_time_unit", "low_rate"}
 #: Part of the greatest excursion from the last rest beyond which a hand, and not friction, is taken to hold the cart.
 _HELD = 0.1
 
@@ -65,9 +65,9 @@ class Prepared:
         return bool(self.unheld) and not any(record.lead > 0.0 for record in self.records)
 
     @property
-    def doubtful_units(self) -> tuple[str, ...]:
+    def doubtful_data(self) -> tuple[str, ...]:
         """Sentences of the findings on units that are doubtful, and on too few samples in an oscillation."""
-        return tuple(dict.fromkeys(finding.sentence for finding in self.findings if finding.code in _UNITS))
+        return tuple(dict.fromkeys(finding.sentence for finding in self.findings if finding.code in _DOUBTFUL))
 
     @cached_property
     def plant(self) -> Model:

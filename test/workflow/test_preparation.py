@@ -124,5 +124,5 @@ def test_a_refusal_of_a_record_with_few_samples_a_swing_may_say_so() -> None:
     """A tuning fork of 439 Hz, read at 1 kHz: "a hand may have moved the cart" alone stood in the refusal."""
     time = 1e-3 * np.arange(4000)
     record = from_samples(time, np.zeros(4000), 1e-3 * np.exp(-time) * np.cos(2.0 * np.pi * 438.7 * time + 0.3))
-    (said,) = prepare([record]).doubtful_units
+    (said,) = prepare([record]).doubtful_data
     assert "samples; expected 12 or more: sample at" in said

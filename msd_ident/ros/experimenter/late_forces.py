@@ -34,7 +34,7 @@ class Late:
             return ""
         return (
             f"{counted(self.count, 'force')} came late at the rig, by up to {self.worst:.3g} s, and acted later than "
-            "their stamps in the bag say: repeat the run on a machine that is less busy, or with a longer --lead"
+            "their stamps in the bag say: repeat the run on a machine that is less busy, or with a longer lead (--lead)"
         )
 
 
