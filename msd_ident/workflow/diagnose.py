@@ -106,6 +106,9 @@ def _searched(
         now = diagnose_records(_task(prepared, options, other), progress, earlier)
         if other.sprung or _does_without(now, diagnosis):
             diagnosis = now
+    elif _hangs(diagnosis.extended):
+        told = tuple(said for said in diagnosis.warnings if said not in decision.said)  # what was taken for a spring
+        diagnosis = replace(diagnosis, warnings=told)
     return diagnosis
 
 
@@ -148,6 +151,12 @@ def _decided_again(decision: Decision, found: Diagnosis) -> Decision | None:
     left = found.left if found.adequacy.material else None
     said = needless_spring(found.extended, left) if decision.sprung else hidden_spring(found.extended, found.records)
     return Decision(not decision.sprung, (said,)) if said else None
+
+
+def _hangs(found: FitResult) -> bool:
+    """Whether a law of an angle, such as gravity, does all that a spring could do."""
+    stiffness = found.quantities["stiffness"]
+    return any(effect.angular for effect in found.model.effects) and not (stiffness.known and stiffness.low > 0.0)
 
 
 def _does_without(free: Diagnosis, sprung: Diagnosis) -> bool:

@@ -24,7 +24,7 @@ from msd_ident.selection.evidence import occam
 from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.hypothesis_fit import refine
 from msd_ident.selection.simpler_sets import reduced
-from msd_ident.workflow import pipeline
+from msd_ident.workflow import pipeline, spring_decision
 
 #: J [kg·m²], b [N·m·s/rad] and G [N·m].
 TRUE = (0.18, 0.05, 3.7)
@@ -137,6 +137,17 @@ def to_and_fro(most: float) -> Callable[[float, float, float], float]:
 def posed(hangs: float = 0.7) -> Experiment:
     """A joint on which no spring was found."""
     return Experiment(noise_model.prepare((to_the_top(hangs),)), Plant(*TRUE[:2], 0.0), frozenset({"stiffness"}))
+
+
+@pytest.mark.usefixtures("without_copies")
+def test_no_spring_is_assumed_beside_gravity_that_does_all_that_one_could(asking_about: Callable[..., None]) -> None:
+    """ "A spring is assumed" stood beside gravity > 99.9 % and a stiffness of 0.0000 ± 0.0040."""
+    asking_about("gravity", "cubic_spring", "coulomb_friction")
+    swept = turned(lambda t, _, __: 1.6 * math.sin(2.0 * t + 0.45 * t**2), 10.0, (0.18, 0.12, 3.7))
+    assert spring_decision.plain((swept,)), "as a regression of the torque has it"
+    found = pipeline.diagnose([swept])
+    assert [cause.name for cause in found.causes] == ["gravity"]
+    assert not any("a spring is assumed" in said for said in found.warnings)
 
 
 def test_where_it_hangs_is_fitted_and_counts_as_a_parameter_of_gravity() -> None:
