@@ -69,7 +69,7 @@ def batch(
         raise UsageError(f"{out} is no table's name; expected one that ends in .parquet")
     output = results.Output(quiet=quiet, overwrite=overwrite or resume, report=report)
     records = locations.records([*(paths or ()), *_listed(listed)])
-    job.check_labels(records)
+    job.check_labels(records)  # at once, and not behind the start of a cluster
     listing = [listed] if listed not in ("", "-") else []
     output.check(*many_records.here([*records, *listing]), written=many_records.here([out]))
     plan = batches.Plan(out, resume, overwrite, _draw if job.pages else None)

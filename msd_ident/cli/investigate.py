@@ -107,11 +107,8 @@ def _keeping(loop: Loop, out: Path) -> Iterator[None]:
 
 
 def _write_early(loop: Loop, out: Path, why: str) -> None:
-    from msd_ident.workflow.investigation import Investigation
-
     if loop.steps:
-        sentence = f"{why}: {loop.steps[-1].diagnosis.summary}"
-        _write(Investigation(tuple(loop.steps), False, sentence, loop.measurements, tuple(loop.trials)), out)
+        _write(loop.ended(False, why), out)
 
 
 def _kept(done: int, out: Path) -> str:

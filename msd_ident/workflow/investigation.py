@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
@@ -80,14 +80,10 @@ class Trial:
         went: how far the rig went [m or rad].
     """
 
+    purpose: ClassVar[str] = _GENTLE
     profile: Profile
     ran: Ran
     went: float
-
-    @property
-    def purpose(self) -> str:
-        """Why it was run."""
-        return _GENTLE
 
     def to_json_dict(self) -> dict[str, Any]:
         """A journal's entry."""
@@ -239,19 +235,19 @@ class Loop:
         for _ in range(self.budget.runs):
             looked = self.checked
             if said := signs_doubt(self.steps[-1].diagnosis):
-                return self._ended(False, f"no further experiment was designed. {said}")
+                return self.ended(False, f"no further experiment was designed. {said}")
             proposal, purpose = self._next()
             if proposal is None:
-                return self._ended(self._settled, _STANDS if self._settled else _NOTHING)
+                return self.ended(self._settled, _STANDS if self._settled else _NOTHING)
             self.measurements = proposal.measurements
             against = self._against(proposal, purpose, spent)
             if against and looked and self._settled:
                 break  # a further look would have been a gain, but what stands does so without it
             if against:
-                return self._ended(False, against)
+                return self.ended(False, against)
             self._play(purpose, proposal.profile, proposal)
             spent += proposal.profile.duration
-        return self._ended(self._settled, _STANDS if self._settled else "the budget is spent")
+        return self.ended(self._settled, _STANDS if self._settled else "the budget is spent")
 
     @property
     def _settled(self) -> bool:
@@ -335,7 +331,8 @@ class Loop:
         self.checked |= hidden.probability >= _SURE
         return hidden, f"to see what could hide: {', '.join(hidden.names[1:])}"
 
-    def _ended(self, stands: bool, why: str) -> Investigation:
+    def ended(self, stands: bool, why: str) -> Investigation:
+        """The experiments so far: whether one explanation stands, and why they ended."""
         sentence = f"{why}: {self.steps[-1].diagnosis.summary}"
         return Investigation(tuple(self.steps), stands, sentence, self.measurements, tuple(self.trials))
 
