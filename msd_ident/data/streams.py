@@ -47,7 +47,7 @@ def from_stamps(
 
     A live buffer and a bag with the same samples give exactly the same record. Time 0 is the first position stamp. A
     few late samples are sorted in, and a wrapped angle is unwrapped, each with a note. Of positions with one stamp the
-    first is kept; of forces the last one, which replaces a force that was sent ahead of its instant.
+    first is kept; of forces too, but for those that were sent ahead of their instant and then once more.
 
     Args:
         position_ns: (n,) stamps of the positions [ns], in order of arrival.

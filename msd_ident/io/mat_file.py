@@ -131,6 +131,7 @@ def _hdf5(path: Path) -> dict[str, Any]:
         ) from None
 
     def value(item: Any) -> Any:
+        """What a variable holds, with the names of its members where it is a structure."""
         if isinstance(item, h5py.Group):
             return {name: value(member) for name, member in item.items()}
         kind = item.attrs.get("MATLAB_class", b"")

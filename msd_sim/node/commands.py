@@ -77,6 +77,7 @@ class Commands:
         """
 
         def take_all(message: WrenchStamped) -> None:
+            """Hand over a force, and those that came meanwhile."""
             take(message)
             with made.handle:
                 for _ in range(HANDFUL):

@@ -29,7 +29,7 @@ def frozen_encoder(record: Record, motion: Motion) -> Iterator[Finding]:
         return
     low, high = float(np.min(record.position)), float(np.max(record.position))
     near = _NEAR_END * (high - low)  # a stop gives way by a little
-    stills = [still for still in motion.standstills if not _let_go(record, still)]
+    stills = [still for still in motion.standstills if not _switched_off(record, still)]
     ends = [still.value - low <= near or high - still.value <= near for still in stills]
     clipped = [still for still, end in zip(stills, ends, strict=True) if end]
     stuck = [still for still, end in zip(stills, ends, strict=True) if not end and still.size >= 8]
@@ -52,7 +52,7 @@ def frozen_encoder(record: Record, motion: Motion) -> Iterator[Finding]:
         )
 
 
-def _let_go(record: Record, still: Standstill) -> bool:
+def _switched_off(record: Record, still: Standstill) -> bool:
     """Whether what drove the cart went away as the standstill began: behind a gear a motor stops dead then."""
     before, arrived, end = still.first - _AROUND, still.first + 1, still.first + still.size
     ahead = math.copysign(1.0, still.value - float(record.position[before]))
